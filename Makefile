@@ -153,8 +153,8 @@ format: setup ## Format the sources
 
 LOCK := uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --fork-strategy fewest \
 	--no-header --no-annotate --no-emit-index-url --no-emit-find-links
-REBUILD := --extra workflow --extra article --extra records
-DEVELOP := --group dev --group docs
+REBUILD := --extra workflow --extra article
+DEVELOP := --extra records --extra slurm --group dev --group docs
 # IPython and ipykernel ask for them, and import them only where somebody completes names or steps through code.
 UNUSED := debugpy jedi parso
 

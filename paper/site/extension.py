@@ -31,10 +31,7 @@ from dampbalance.project.wording import in_markdown, markdown_table
 from dampbalance.publishing.site import PAGES
 
 WIDTH = 120  # letters of a line of output that is not a row of a table: what commands write their help in
-COPIED = "extra"  # the folder next to the pages that Sphinx copies unchanged
-REPORT = (
-    "results/paper/report.html"  # whose copy is there: a browser shows it, and does not save it
-)
+REPORT = "results/paper/report.html"  # its copy is shown by a browser, and not saved
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

@@ -6,7 +6,6 @@ import functools
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from analytic.law_response import law_orbit
@@ -86,21 +85,3 @@ def test_records_are_the_motion_with_noise_and_nothing_but_their_number_draws_th
         assert noise.std() == pytest.approx(0.01 * Y / math.sqrt(2.0), rel=0.03)
     assert truth != laws.draw(law, 2)
     assert records[0]["displacement"].values.size != other[0]["displacement"].values.size
-
-
-def test_the_table_counts_what_was_chosen():
-    rows = pd.DataFrame(
-        [
-            *({"law": law, "chosen": law} for law in laws.LAWS for _ in range(4)),
-            {"law": "F_k + c", "chosen": laws.named(("F_k", "c", "c_2"))},
-            {"law": "F_k + c", "chosen": laws.NONE},
-            {"law": "F_k + c + c_2", "chosen": "F_k + c"},
-            {"law": "F_k + eta", "chosen": "F_k + c_3 + eta"},
-        ]
-    )
-    text = laws.table(rows)
-    assert "| F_k + c | 6 | 4 |  |  |  |  | 1 |  | 1 | 66.7% (22–96) | 16.7% (0–64) |" in text
-    assert (
-        "The right law in 85.7% (67–96) of 28 sets, a term too many in 7.1% (1–24), no law in 3.6% (0–18)."
-        in text
-    )

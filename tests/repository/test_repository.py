@@ -80,8 +80,10 @@ def locked_requirements() -> list[tuple[str, str]]:
     project = settings["project"]
     extras = project["optional-dependencies"]
     wanted = [("requirements.lock", text) for text in project["dependencies"]]
-    for name in ("workflow", "article", "records"):
-        wanted += [("requirements.lock", text) for text in extras[name]]
+    rebuild = {*extras["workflow"], *extras["article"]}
+    wanted += [("requirements.lock", text) for text in rebuild]
+    tested = {*extras["records"], *extras["slurm"]} - rebuild
+    wanted += [("requirements-dev.lock", text) for text in tested]
     of_group = {
         "dev": "requirements-dev.lock",
         "docs": "requirements-dev.lock",

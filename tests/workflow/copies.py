@@ -18,6 +18,7 @@ get_subpath = _CacheLocator.get_suitable_cache_subpath
 
 SMALL = ("--configfile", "small.yaml")
 EXAMPLE = ("--configfile", "config/measured.yaml")
+PROFILE = ("--workflow-profile", "workflow/profiles/default")  # as `make` starts it
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,8 @@ class Checkout:
     folder: Path
     project: Path | None = None
 
-    def run(
-        self, *arguments: str, cores: int = 2, compiled: bool = True
-    ) -> subprocess.CompletedProcess[str]:
-        return snakemake(
-            self.folder, "--cores", str(cores), *arguments, compiled=compiled, project=self.project
-        )
+    def run(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
+        return snakemake(self.folder, "--cores", str(cores), *arguments, project=self.project)
 
     def made(self, *arguments: str, **options: Any) -> str:
         """What a run says that must succeed."""
@@ -50,9 +47,9 @@ class Checkout:
         assert (done.returncode != 0, "Traceback" in said) == (True, False)
         return said
 
-    def jobs(self, *arguments: str, compiled: bool = True) -> dict[str, int]:
+    def jobs(self, *arguments: str) -> dict[str, int]:
         """How many jobs of each rule a run would start (a dry run)."""
-        said = self.made("--dry-run", *arguments, compiled=compiled)
+        said = self.made("--dry-run", *arguments)
         table = re.search(r"^job +count\n-.*\n((?:\w+ +\d+\n)*)", said, re.MULTILINE)
         rows = table[1].splitlines() if table else ()
         return {name: int(count) for name, count in map(str.split, rows)}

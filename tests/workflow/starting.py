@@ -17,11 +17,10 @@ SERVER.set_forkserver_preload(["preloaded"])
 
 
 def snakemake(
-    folder: Path, *arguments: str, compiled: bool = True, project: Path | None = None
+    folder: Path, *arguments: str, project: Path | None = None
 ) -> subprocess.CompletedProcess:
     """What `snakemake` with these arguments says in a folder.
 
-    compiled : without it the kernels that Snakemake itself calls are interpreted, not compiled first.
     project : the copy of the project whose package it uses, if that is not the folder.
     """
     with patch.dict(
@@ -29,18 +28,14 @@ def snakemake(
     ):  # the server looks nowhere else
         forkserver.ensure_running()
     with tempfile.TemporaryDirectory() as said:
-        process = SERVER.Process(
-            target=_run, args=(folder, project or folder, arguments, compiled, said)
-        )
+        process = SERVER.Process(target=_run, args=(folder, project or folder, arguments, said))
         process.start()
         process.join()
         out, err = (Path(said, name).read_text(encoding="utf-8") for name in ("out", "err"))
     return subprocess.CompletedProcess(arguments, process.exitcode, out, err)
 
 
-def _run(
-    folder: Path, project: Path, arguments: tuple[str, ...], compiled: bool, said: str
-) -> None:
+def _run(folder: Path, project: Path, arguments: tuple[str, ...], said: str) -> None:
     gc.freeze()  # what was imported is no garbage
     for descriptor, name in ((1, "out"), (2, "err")):
         file = os.open(f"{said}/{name}", os.O_WRONLY | os.O_CREAT)
@@ -49,8 +44,6 @@ def _run(
     os.environ["PYTHONPATH"] = str(project / "src")  # of the scripts
     sys.path.insert(0, str(project / "src"))
     sys.argv = ["snakemake", *arguments]
-    from numba.core import config
     from snakemake.cli import main
 
-    config.DISABLE_JIT = not compiled
     main()

@@ -16,14 +16,13 @@ import pytest
 
 from folders import ROOT
 from processes import run
-from workflow.copies import SMALL
+from workflow.copies import PROFILE, SMALL
 
 pytestmark = pytest.mark.slow
 
 PATIENCE = 120.0  # s, for a machine under load: reached by nothing that works
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
-PROFILE = ("--workflow-profile", "workflow/profiles/default")
-RUN = (*SNAKEMAKE, *PROFILE, "--cores", "2", "=".join(SMALL))  # as `make` does
+RUN = (*SNAKEMAKE, *PROFILE, "--cores", "2", "=".join(SMALL))
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from dampbalance import identify
 from dampbalance.commands.main import main
 from dampbalance.identification.outputs import OUTPUTS, OVERVIEW, outputs_of
 from folders import ROOT, restored
-from workflow.copies import EXAMPLE, copied
+from workflow.copies import EXAMPLE, PROFILE, copied
 
 pytestmark = pytest.mark.slow
 
@@ -87,7 +87,7 @@ def test_what_is_missing_or_changed_is_made_again_and_nothing_is_done_twice(buil
 
 def test_a_table_of_a_stepped_sine_is_a_set(checkout, monkeypatch):
     copy = checkout()
-    said = copy.made("--configfile", "config/stepped.yaml")
+    said = copy.made(*PROFILE, "--configfile", "config/stepped.yaml")
     files = copy.files("stepped")
     assert {f"measured/joint/{name}" for name in outputs_of("stepped-sine")} <= files.keys()
     monkeypatch.chdir(copy.folder)
@@ -121,7 +121,7 @@ def rig(checkout):
 
 def test_a_set_that_fails_stands_with_its_error_beside_the_others(rig):
     """On one core: without it, those that wait for the core would not be identified."""
-    done = rig.run("--keep-going", "--configfile", "all.yaml", cores=1)
+    done = rig.run(*PROFILE, "--configfile", "all.yaml", cores=1)
     assert done.returncode != 0
     files = rig.files("rig")
     shown = files["measured/summary.txt"].decode()

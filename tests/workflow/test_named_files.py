@@ -86,7 +86,7 @@ def dry_run(copy, config=None, *arguments):
     """(exit status, what is said) of a dry run under a configuration, which stands in named.yaml."""
     if config is not None:
         (copy.folder / "named.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
-    done = copy.run("--dry-run", "--configfile=named.yaml", *arguments, compiled=False)
+    done = copy.run("--dry-run", "--configfile=named.yaml", *arguments)
     return done.returncode, done.stdout + done.stderr
 
 

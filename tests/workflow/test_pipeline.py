@@ -72,7 +72,7 @@ def test_an_edited_room_or_script_reruns_what_depends_on_it_and_no_more(built):
             edited.enter_context(restored(path))
             path.write_text(f"{path.read_text('utf-8')}\n# changed\n", encoding="utf-8")
             os.utime(path, (later, later))
-        jobs = built.jobs(*SMALL, compiled=False)
+        jobs = built.jobs(*SMALL)
     assert {"simulate_as_published", "estimate_exact", "tables"} <= jobs.keys()
     assert not {"simulate_exact", "features_exact"} & jobs.keys()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import yaml
@@ -12,19 +13,18 @@ import yaml
 from folders import ROOT
 from processes import run
 
-CLUSTER = ROOT / "trials/cluster"
-PATHS = os.pathsep.join(str(ROOT / name) for name in ("trials", "tests"))
+SUMMARY = "results/studies/quadratic/summary.md"
 UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason on stderr
 
 
-def loopback(*command: str, timeout: float) -> subprocess.CompletedProcess[str]:
-    return run(CLUSTER / "loopback.sh", *command, timeout=timeout, PYTHONPATH=PATHS)
+def loopback(*command: str, timeout: float = 90, **options) -> subprocess.CompletedProcess[str]:
+    return run(ROOT / "tests/workflow/loopback.sh", *command, timeout=timeout, **options)
 
 
 @pytest.fixture(scope="module")
 def slurm():
     """Skips, with the reason, where SLURM is not installed or may not be started."""
-    answer = loopback("sinfo", "--noheader", timeout=90)
+    answer = loopback("sinfo", "--noheader")
     if answer.returncode == UNAVAILABLE:
         pytest.skip(answer.stderr.strip().splitlines()[-1])
     assert answer.returncode == 0, answer.stderr
@@ -36,32 +36,31 @@ def test_profile_asks_for_no_account_or_partition_of_one_cluster():
     assert not {"slurm_account", "slurm_partition"} & profile["default-resources"].keys()
 
 
-def test_exit_status_of_the_command_is_kept(slurm):
-    assert loopback("false", timeout=90).returncode == 1
-    assert loopback("srun", "--ntasks=1", "true", timeout=90).returncode == 0
-
-
 def test_a_job_that_takes_more_memory_than_it_asked_for_is_ended(slurm):
     """What makes the runs below a proof that the memory in the profile is enough."""
     hog = "x = b'1' * 600_000_000; import time; time.sleep(20)"
-    done = loopback("srun", "--mem=100", sys.executable, "-c", hog, timeout=90)
+    done = loopback("srun", "--mem=100", sys.executable, "-c", hog)
     assert done.returncode != 0
     assert "exceeded memory limit" in done.stderr
 
 
 @pytest.mark.slow
-def test_slurm_gives_the_bytes_of_the_local_run(slurm, tmp_path):
-    """A study of two chunks; a million cases the same way: config/studies/CLUSTER.md."""
+def test_slurm_gives_the_bytes_of_the_local_run(slurm, checkout):
+    """A study of two chunks."""
+    local, cluster = checkout(), checkout()
     small = (ROOT / "tests/workflow/studies/quadratic.yaml").read_text(encoding="utf-8")
-    (tmp_path / "quadratic.yaml").write_text(f"{small}chunk_cases: 5\n", encoding="utf-8")
+    for copy in (local, cluster):
+        file = copy.folder / "config/studies/quadratic.yaml"
+        study = yaml.safe_load(file.read_text(encoding="utf-8")) | yaml.safe_load(small)
+        file.write_text(yaml.safe_dump(study | {"chunk_cases": 5}), encoding="utf-8")
+    local.made(SUMMARY)
     done = loopback(
-        sys.executable,
-        "-m",
-        "cluster.same_bytes",
-        "--config-of",
-        str(tmp_path),
-        "quadratic",
+        *(sys.executable, "-m", "snakemake", "--profile", "workflow/profiles/slurm", SUMMARY),
+        *("--slurm-init-seconds-before-status-checks", "2"),
+        folder=cluster.folder,
         timeout=550,
+        PYTHONPATH=str(cluster.folder / "src"),
+        PATH=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.splitlines()[-1].endswith(": the same")
+    assert cluster.files("studies/quadratic") == local.files("studies/quadratic")

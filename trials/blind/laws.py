@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -195,11 +195,6 @@ def outcome(run: tuple[str, int]) -> list[dict[str, object]]:
 def named(symbols: Iterable[str]) -> str:
     """Return the name of a law by its terms."""
     return " + ".join(["F_k", *(symbol for symbol in symbols if symbol != "F_k")])
-
-
-def confusion(count: int, laws: Sequence[str] = tuple(LAWS)) -> pd.DataFrame:
-    """Return which law is chosen in `count` sets of each: columns law, set, chosen, seconds."""
-    return pd.DataFrame([row for law in laws for i in range(count) for row in outcome((law, i))])
 
 
 def table(rows: pd.DataFrame) -> str:

@@ -1,8 +1,8 @@
 """The figures of the paper, and one it lacks: from orbits and tables of estimates to pictures.
 
-`looks.py` says how each approach looks, `style.py` how everything does; `values.py` keeps the numbers that are drawn in
-the SVG, from which the page takes them. Each function is pure and returns a matplotlib `Figure`; `save` writes it as
-SVG and PNG. `ALT` says in a sentence what each shows in the paper's case, for readers who cannot see it.
+`looks.py` says how each approach looks, `style.py` how everything does. Each function is pure and returns a matplotlib
+`Figure`; `save` writes it as SVG and PNG. `ALT` says in a sentence what each shows in the paper's case, for readers
+who cannot see it.
 """
 
 from __future__ import annotations

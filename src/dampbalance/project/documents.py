@@ -19,7 +19,7 @@ from jsonschema import ValidationError
 from ruamel.yaml import YAML
 from ruamel.yaml.constructor import ConstructorError, SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError
-from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
+from ruamel.yaml.nodes import Node
 from ruamel.yaml.reader import ReaderError
 
 from ..law.terms import KNOWN_TERMS
@@ -192,12 +192,12 @@ def in_lines(problems: Iterable[Problem], documents: Mapping[str, Any]) -> str:
     documents : file → what it says, merged in this order, the last one winning: they show where a key is set.
     """
     listed, lines = list(problems), []
-    tree = functools.cache(lambda file: _parser().compose(Path(file)))
+    with_lines = functools.cache(lambda file: YAML(pure=True).load(Path(file)))
     for key, text in listed[:_MESSAGES]:
         depths = {file: _depth(key, document) for file, document in documents.items()}
         # the last file that sets the key, or the longest part of it that any file sets
         file = max(reversed(depths), key=lambda file: depths[file], default="configuration")
-        line = _line_of(key[: depths[file]], tree(file)) if Path(file).is_file() else ""
+        line = _line_of(key[: depths[file]], with_lines(file)) if Path(file).is_file() else ""
         lines.append(_one_line(f"{file}: {line}{_dotted(key)}: {text}"))
     if len(listed) > _MESSAGES:
         lines.append(f"… and {len(listed) - _MESSAGES} more")
@@ -285,19 +285,14 @@ def _depth(key: KeyPath, document: Any) -> int:
     return len(key)
 
 
-def _line_of(key: KeyPath, node: Node | None) -> str:
-    """Return where a key stands in a tree of nodes, "line 3: "; nothing for the top level."""
-    mark = None
+def _line_of(key: KeyPath, document: Any) -> str:
+    """Return where a key stands in a document that knows its lines, "line 3: "; nothing for the top level."""
+    line = ""
     for part in key:
-        if isinstance(node, MappingNode):
-            marks = {str(name.value): (name.start_mark, value) for name, value in node.value}
-            if str(part) not in marks:  # it is merged into this mapping
-                break
-            mark, node = marks[str(part)]
-        elif isinstance(node, SequenceNode):
-            node = node.value[part]
-            mark = node.start_mark
-    return f"line {mark.line + 1}: " if mark else ""
+        if part not in (document.lc.data or ()):  # it is merged into this mapping
+            break
+        line, document = f"line {document.lc.data[part][0] + 1}: ", document[part]
+    return line
 
 
 # `make` runs python -m … FILE …, because Snakemake shows a traceback for an unreadable file

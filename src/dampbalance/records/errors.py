@@ -25,7 +25,7 @@ def library(name: str, purpose: str) -> Any:
         return importlib.import_module(name)
     except ImportError:
         missing = f"the package {name.partition('.')[0]}, which is not installed"
-        remedy = 'pip install "dampbalance[records]"'
+        remedy = 'pip install "dampbalance[records]", or `make setup` in a clone of the project'
         raise RecordError(f"{purpose} needs {missing}: {remedy}") from None
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Run a command while a real SLURM of one node is up, which ends with the command:
 #
-#     trials/cluster/loopback.sh squeue
+#     tests/workflow/loopback.sh squeue
 #
 # Needed: root, and slurmctld, slurmd, sinfo, munged (Debian: slurmctld slurmd slurm-client munge), unshare, ip. Everything
 # happens in namespaces of its own (mounts, processes, network, host name): /etc/slurm is covered, not changed, a SLURM or
