@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
-import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -14,12 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import RecordError, library, require_size
+from ..errors import RecordError, library
 from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_file, signals_in, unit_among
 from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
-_BYTES = 8  # size of a number
 # fields of MATLAB that name the signals next to them, and those that hold their times
 _LABELS = (
     *("names", "name", "labels", "label"),
@@ -85,13 +82,12 @@ def _attributes(item: Any) -> dict[str, object]:
 def matlab_file(path: Path) -> Table:
     """Return the table of a MATLAB 5 file: every real array in it is a channel, a field of a structure by
     "structure.field", with [1], [2], … behind it where there is an array of structures. Where texts next to a matrix
-    name its signals, they are called by them. Raises RecordError for arrays too large for memory."""
+    name its signals, they are called by them."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
     with intact(path, "MATLAB"):
         stated = whosmat(path)
-        require_size(path, sum(math.prod(shape) for _, shape, _ in stated))
         truths = {name for name, _, kind in stated if kind == "logical"}
         document = reader.read_mat(str(path))
     held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
@@ -154,15 +150,12 @@ def numpy_file(path: Path) -> Table:
     are passed over."""
     with intact(path, "NumPy"), open(path, "rb") as stream:
         if stream.read(2) == b"PK":
-            with zipfile.ZipFile(stream) as packed:
-                require_size(path, sum(part.file_size for part in packed.infolist()) // _BYTES)
             stream.seek(0)
             with np.load(stream) as archive:
                 loads = {name: partial(archive.__getitem__, name) for name in archive.files}
                 held = {name: array for name in loads if (array := _plain(loads[name])) is not None}
         else:
             array = _plain(partial(np.load, path, mmap_mode="r"))
-            require_size(path, np.size(array))
             held = {} if array is None else {"": np.array(array)}
         if not held:
             remedy = "save its signals as arrays of numbers"

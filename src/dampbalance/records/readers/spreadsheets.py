@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import datetime
-import functools
 import math
-import re
-import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,14 +14,12 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from ..table import LONGEST_TAIL, Table, intact, require_channels, tail
+from ..table import LONGEST_TAIL, Table, intact, tail
 from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
-_MOST_CELLS = 12_500_000  # cells of a sheet, with some 100 bytes of memory for each
 _ROWS_THAT_COUNT = 20  # rows that distinguish a column of times from one that counts samples
-_CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 
 
 def spreadsheet_file(path: Path) -> Table:
@@ -33,13 +28,11 @@ def spreadsheet_file(path: Path) -> Table:
     calamine = library("python_calamine", "a spreadsheet")
     rows: list[Sequence[Any]] = []
     with intact(path, "a spreadsheet"):
-        _require_dense(path)
         book = calamine.CalamineWorkbook.from_path(path)
         for name in book.sheet_names:
             sheet = book.get_sheet_by_name(name)
             if sheet.start is None or sheet.end is None:
                 continue
-            require_channels(path, sheet.end[1] + 1)
             left = [""] * sheet.start[1]  # columns before the first that holds something
             rows = [left + row for row in sheet.iter_rows()]
             if any(map(_is_row, rows)):
@@ -81,26 +74,6 @@ def spreadsheet_file(path: Path) -> Table:
         *(path, channels, lambda wanted: [column(i) for i in wanted], "a spreadsheet"),
         oddity=oddity,
     )
-
-
-def _require_dense(path: Path) -> None:
-    """Raise RecordError for a workbook with a cell far from all others: the library takes memory for all cells up to
-    it, and ends the process where there is too little."""
-    if not zipfile.is_zipfile(path):
-        return
-    with zipfile.ZipFile(path) as packed:
-        for part in filter(re.compile("xl/worksheets/[^/]*[.]xml").fullmatch, packed.namelist()):
-            columns, last = {b""}, 0
-            for cell in _CELL.finditer(packed.read(part)):
-                columns.add(cell[1])
-                last = max(last, int(cell[2]))
-            letters = max(columns, key=lambda name: (len(name), name)).decode()
-            width = functools.reduce(lambda n, letter: 26 * n + ord(letter) - 64, letters, 0)
-            if width * last > _MOST_CELLS:
-                raise RecordError(
-                    f"{path}: its last cell, {letters}{last}, makes a sheet of {last:,} × {width:,} cells, more than "
-                    f"{_MOST_CELLS:,}; delete the rows and columns behind the record, or save it as CSV"
-                )
 
 
 def _is_row(row: Sequence[Any]) -> bool:
