@@ -65,16 +65,17 @@ class Table:
     """The channels of a file, or of signals in memory.
 
     channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
-    an empty cell.   what : the format, for messages.   place : where a sample, counted from 0, stands in the file.
-    oddity : what is odd about the file, warned of when it is read; "" for nothing.   loaded : channels loaded already.
+    an empty cell.   place : where a sample, counted from 0, stands in the file.
+    oddity : what is odd about the file, warned of when it is read; "" for nothing.   what : the format, for messages.
+    loaded : channels loaded already.
     """
 
     path: Path
     channels: Sequence[RawChannel]
     load: Callable[[Sequence[int]], Sequence[ArrayLike]]
-    what: str
     place: Callable[[int], str] = lambda sample: f"sample {sample + 1}"
     oddity: str = ""
+    what: str = "arrays"
     loaded: dict[int, Array] = field(default_factory=dict)
 
     def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
@@ -229,7 +230,7 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
             column = f"{path}: column {shortened(channels[i].label)}"
             raise RecordError(f"{column} holds {error}") from None
 
-    return Table(path, channels, lambda wanted: [read(i) for i in wanted], "arrays")
+    return Table(path, channels, lambda wanted: [read(i) for i in wanted])
 
 
 def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any, bool]]:

@@ -14,7 +14,7 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from ..table import LONGEST_TAIL, Table, intact, tail
+from ..table import LONGEST_TAIL, Table, tail
 from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
@@ -27,16 +27,15 @@ def spreadsheet_file(path: Path) -> Table:
     and units stand above the first such row, as in a text file; points in time are read as s from the first on."""
     calamine = library("python_calamine", "a spreadsheet")
     rows: list[Sequence[Any]] = []
-    with intact(path, "a spreadsheet"):
-        book = calamine.CalamineWorkbook.from_path(path)
-        for name in book.sheet_names:
-            sheet = book.get_sheet_by_name(name)
-            if sheet.start is None or sheet.end is None:
-                continue
-            left = [""] * sheet.start[1]  # columns before the first that holds something
-            rows = [left + row for row in sheet.iter_rows()]
-            if any(map(_is_row, rows)):
-                break
+    book = calamine.CalamineWorkbook.from_path(path)
+    for name in book.sheet_names:
+        sheet = book.get_sheet_by_name(name)
+        if sheet.start is None or sheet.end is None:
+            continue
+        left = [""] * sheet.start[1]  # columns before the first that holds something
+        rows = [left + row for row in sheet.iter_rows()]
+        if any(map(_is_row, rows)):
+            break
     first = next((i for i, row in enumerate(rows) if _is_row(row)), None)
     if first is None:
         raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
@@ -70,10 +69,7 @@ def spreadsheet_file(path: Path) -> Table:
         return np.array([math.nan if cell == "" else float(cell) for cell in cells])
 
     oddity = tail(path, "row", aside[0], aside[-1]) if aside else ""
-    return Table(
-        *(path, channels, lambda wanted: [column(i) for i in wanted], "a spreadsheet"),
-        oddity=oddity,
-    )
+    return Table(path, channels, lambda wanted: [column(i) for i in wanted], oddity=oddity)
 
 
 def _is_row(row: Sequence[Any]) -> bool:

@@ -332,7 +332,7 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
         ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
     cut = "its last line has no end; if the file was cut, its last number is wrong"
     oddity = "" if ended else f"{path}: {cut}"
-    return Table(path, channels, load, "delimited text", layout.place, oddity)
+    return Table(path, channels, load, layout.place, oddity)
 
 
 def _lines(path: Path, encoding: str) -> Iterator[str]:
