@@ -1,4 +1,4 @@
-"""Damaged and absurd files are read, or refused in one sentence; no code of theirs runs, nothing of the user's is lost."""
+"""Damaged and absurd files are read, or refused in one sentence; no code of theirs runs, and nothing is lost."""
 
 from __future__ import annotations
 
