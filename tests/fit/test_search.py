@@ -115,12 +115,10 @@ def test_an_interval_holds_every_contact_that_explains_the_decay_as_well(index):
         end = held.climb(start)
         if end is not None and end.chi_square < fit.chi_square + 0.7 * LEVEL:
             likely.append(stiffness)
-
-
-assert likely
-# half a standard error from one point of the profile to the next
-margin = 0.5 * fit.error("rho")
-assert all(low**-0.5 + margin > s**-0.5 > high**-0.5 - margin for s in likely)
+    assert likely
+    # half a standard error from one point of the profile to the next
+    margin = 0.5 * fit.error("rho")
+    assert all(low**-0.5 + margin > s**-0.5 > high**-0.5 - margin for s in likely)
 
 
 def test_the_state_a_step_earlier_is_that_of_the_damped_motion():

@@ -349,7 +349,7 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         [],
         Microstick(1e-5, 1e-7, True, 2e-5),
         JointFit(fit, False),
-        {"direct": with_parameters(c=off)},
+        with_parameters(c=off),
     )
     assert any("the energy balance and the fit" in words for words in warnings) == apart
 

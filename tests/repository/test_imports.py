@@ -40,7 +40,7 @@ def test_an_identification_loads_what_it_uses(arguments, needed, tmp_path):
     given = ["identify", *records, "--stiffness", "2310", "--output", str(tmp_path), *arguments]
     program = f"from dampbalance.commands.main import main\nmain({given})"
     # pandas reads text, with pyarrow where that is installed
-    assert loaded(program) == {"numpy", "pandas", "pyarrow", "scipy"} | needed
+    assert loaded(program) == {"numba", "numpy", "pandas", "pyarrow", "scipy"} | needed
 
 
 def test_mappings_studies_and_reports_need_no_extra(tmp_path):

@@ -187,7 +187,7 @@ def examples() -> dict[str, str]:
 
 
 def test_there_is_an_example_of_each_job():
-    assert set(examples()) == {"Approach", "BaseMotion", "identify"}
+    assert set(examples()) == {"study", "BaseMotion", "identify"}
 
 
 def test_the_example_of_records_runs(tmp_path, monkeypatch):
@@ -211,10 +211,8 @@ def test_the_example_runs():
 
 def test_the_example_of_a_notebook_runs():
     names: dict[str, object] = {}
-    exec(examples()["Approach"], names)
+    exec(examples()["study"], names)
     assert "fourier__least_squares" in repr(names["studied"])
-    assert "mine__least_squares" in repr(names["compared"])
-    assert names["c_4"].unit == "N s⁴/m⁴"
 
 
 def test_every_file_it_links_to_is_there():

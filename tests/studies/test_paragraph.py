@@ -115,7 +115,9 @@ def test_an_axis_takes_further_values_in_their_places(make):
 def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
     axes = [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}, {"K_z_over_k": {"values": [9.0, 90.0]}}]
     figure = {"kind": "curves", "x": "zeta", "at": {"K_z_over_k": 9.0}}
-    study, frame, path = computed({"axes": axes, "figure": figure})
+    study, frame, path = computed(
+        {"axes": axes, "figure": figure, "estimation": {"approaches": ["X_s"]}}
+    )
     lines = study_figure(study, path).axes[0].lines
     curve = next(line for line in lines if line.get_color() == LOOKS["X_s"].colour)
     drawn = frame[frame["K_z_over_k"] == 9.0].sort_values("zeta")

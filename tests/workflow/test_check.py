@@ -62,13 +62,6 @@ def test_one_line_at_the_end_says_that_nothing_is_worse_any_more(checked):
     assert computed + given + statements == 133
 
 
-def test_a_job_is_one_line(checked):
-    *_, said = checked
-    assert re.search(r"^ *\d+%  Comparison with the verdicts on record$", said, re.MULTILINE)
-    for noise in ("jobid", "Select jobs", "Execute", "Job stats"):
-        assert noise not in said
-
-
 @pytest.mark.parametrize(
     ("override", "expected"),
     [

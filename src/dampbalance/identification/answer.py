@@ -34,7 +34,7 @@ UNBOUNDED: Mapping[str, float] = {"": math.inf}
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records."""
 
-DIRECT = "direct"
+DIRECT, BALANCE = CHECKS = ("direct", "balance")
 """Name of the energy balance of forced records, by direct integration: the check of the fit."""
 
 FUNDAMENTALS = "fundamentals"

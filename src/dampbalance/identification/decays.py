@@ -35,6 +35,7 @@ from ..signals.one_thread import one_thread
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import (
+    BALANCE,
     CONFIDENCE,
     UNKNOWN,
     USELESS,
@@ -66,8 +67,6 @@ from .stated import with_stated_uncertainties
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
-BALANCE = "balance"
-"""Name of the one approach to free decays."""
 
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 # Of the motion, that a contact, a spring or a sensor which is not linear makes.

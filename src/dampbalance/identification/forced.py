@@ -393,7 +393,7 @@ def identify_readings(
             f"Timing check: the response is {with_error(1e6 * value, 1e6 * error)} µs late (no delay detected)."
         )
     of_records = on_records(readings, joint)
-    of_all = agreement(readings, line, joint, estimates)
+    of_all = agreement(readings, line, joint, direct)
     if fit is not None and joint.waveforms_hold and GRADUAL not in fit.problem.freed:
         rig += condition_on_contact(fit, fit.departures.values())
     return ForcedOutcome(

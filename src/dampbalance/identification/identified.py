@@ -24,6 +24,7 @@ from ..project.wording import Remark, percent, sentence, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
 from ..records.measured import MeasuredRecord
 from .answer import (
+    CHECKS,
     NONE,
     REFERENCE,
     USABLE,
@@ -206,7 +207,7 @@ class Identified(ABC):
             answers = {REFERENCE: answers[REFERENCE], **answers}
         first, *_ = answers
         return {
-            name: one if name == first or one.balance is None else self.estimates[name].as_check()
+            name: self.estimates[name].as_check() if name in CHECKS and name != first else one
             for name, one in answers.items()
         }
 

@@ -42,7 +42,6 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import AS_WELL, P_CAUSE, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import (
-    DIRECT,
     FUNDAMENTALS,
     REFERENCE,
     UNBOUNDED,
@@ -170,9 +169,10 @@ def agreement(
     readings: Sequence[Reading],
     microstick: Microstick,
     joint: JointFit,
-    answers: Mapping[str, Answer],
+    direct: Answer,
 ) -> Iterator[Remark]:
-    """Yield warnings on all records together: what the joint fit shows, which levels fail, where answers contradict."""
+    """Yield warnings on all records together: what the joint fit shows, which levels fail, where the balance by direct
+    integration contradicts."""
     yield from _on_the_oscillator(readings, joint)
     if still := _numbered(reading.slips is False for reading in readings):
         yield Remark(
@@ -192,19 +192,17 @@ def agreement(
             f"c_r is {number_text(1e-6 * fit.k, 2)} N s/m too small and c as much too large",
             doubts={"c": math.inf, "c_r": math.inf},
         )
-    if DIRECT in answers and fit is not None and joint.waveforms_hold and not joint.in_rows:
-        yield from contradiction(answers[DIRECT], fit)
-    for answer in answers.values():
-        if answer.balance is None or answer.balance.rows.usable.sum() < 2:
-            continue
-        if _sine(answer.balance.rows) < 0.02:  # errors are fifty times those of a single unknown
-            coefficients = list(answer.coefficients)
-            yield Remark(
-                f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
-                "a record at a much higher or lower amplitude",
-                doubts=dict.fromkeys([*coefficients, "K_z"], math.inf),
-            )
-        break  # the rows of one approach tell
+    if fit is not None and joint.waveforms_hold and not joint.in_rows:
+        yield from contradiction(direct, fit)
+    rows = None if direct.balance is None else direct.balance.rows
+    # errors are fifty times those of a single unknown
+    if rows is not None and rows.usable.sum() > 1 and _sine(rows) < 0.02:
+        coefficients = list(direct.coefficients)
+        yield Remark(
+            f"the levels are so alike that {listed(coefficients)} can hardly be distinguished by the balance: add "
+            "a record at a much higher or lower amplitude",
+            doubts=dict.fromkeys([*coefficients, "K_z"], math.inf),
+        )
 
 
 def _numbered(which: Iterable[bool]) -> str:

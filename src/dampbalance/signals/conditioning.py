@@ -365,9 +365,7 @@ def _error(rows: Complexes, weights: Array) -> Array:
     """
     smooth = _scatter(rows, weights) / weights.sum()
     higher = np.pad(smooth[2:], 2, constant_values=math.nan)
-    # of a χ² of f degrees of freedom the median is (1 − 2/9f)³ of the mean (Wilson–Hilferty)
-    median = (1.0 - 1.0 / (9.0 * (len(rows) - 1))) ** 3
-    smooth[2:] = np.nanmedian(sliding_window_view(higher, 5), axis=1) / median
+    smooth[2:] = np.nanmedian(sliding_window_view(higher, 5), axis=1)
     floor = (ROUNDING * abs(weighted_mean(rows, weights)[1])) ** 2
     return np.sqrt(np.maximum(smooth, floor))
 
