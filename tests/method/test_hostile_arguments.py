@@ -240,7 +240,7 @@ def test_a_hostile_value_gives_a_right_result_or_one_clear_error(
     for shown, value in VALUES.items():
         try:
             holds(function(**right | {argument: value()}))
-        except (ValueError, NoSteadyOrbit) as error:
+        except (ValueError, NoSteadyOrbit, MemoryError) as error:
             lines = str(error).split("\n")  # one; of a mapping, one for each key that is wrong
             several = isinstance(error, RecordError | ConfigurationError)
             if not lines[0] or (len(lines) > 1 and not several):

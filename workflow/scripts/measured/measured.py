@@ -7,7 +7,7 @@ import pandas as pd
 from dampbalance.identification.outputs import ESTIMATES, SUMMARY
 from dampbalance.project.files import read_csv, write_csv, write_text
 
-LEFT_OUT = "standard_error|percent$|^(note|error|no_answer|residual|misfit)$"
+LEFT_OUT = "standard_error|percent$|^(?:note|error|no_answer|residual|misfit)$"
 """Columns of the table that the text does not show."""
 
 
