@@ -87,7 +87,7 @@ TEXT = """F_k is off by {{ errors("F_k", "toy").largest | percent }} at most."""
 def extended(checkout):
     copy = checkout()
     with_approach(copy, *TOY, (')}\n"""The terms of the balance (6)', ', "c_4"'))
-    edited(copy.folder / "src/dampbalance/law/terms.py", ('        Term("eta"', TERM))
+    edited(copy.folder / "src/dampbalance/law/terms.py", ('    )\n}\n"""The terms by symbol', TERM))
     for file, document in (("toy.yaml", CASE), ("config/studies/toy.yaml", STUDY)):
         text = yaml.safe_dump(document, allow_unicode=True)
         (copy.folder / file).write_text(text, encoding="utf-8")

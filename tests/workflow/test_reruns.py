@@ -253,6 +253,8 @@ def another(key, value):
         "figure": lambda: (
             value | {"within": 0.02}
             if value["kind"] == "map"
+            else value | {"lines": dict([*value["lines"].items()][:-1])}
+            if value["kind"] == "scatter"
             else value | {"marks": {"here": PLACES[value["x"]]}}
         ),
     }
