@@ -125,6 +125,20 @@ def test_a_friction_that_falls_with_the_speed_is_identified():
     assert "The friction falls with the speed" in found.text()
 
 
+def test_a_quadratic_damper_and_a_moving_mass_are_identified():
+    """Two frequencies are needed: at one, m ẍ is a spring."""
+    fast = X * np.sin(4.0 * np.pi * T)
+    records = []
+    for x, omega in ((SINE, 2.0 * np.pi), (fast, 4.0 * np.pi)):
+        force, v = stepped_with_speed(lambda v: F_K, x)
+        more = 3e4 * v * np.abs(v) - 20.0 * omega**2 * x
+        records.append({"time_s": T, "displacement_m": x, "force_N": force + more})
+    found = identify_loops(records)
+    for symbol, true in {"F_k": F_K, "K_z": K_Z, "c": 0.0, "c_2": 3e4, "m": 20.0}.items():
+        assert abs(found.fit.values[symbol] - true) < 5.0 * found.fit.errors[symbol], symbol
+    assert "A quadratic damper of c_2" in found.text()
+
+
 def test_a_rounded_knee_is_named_and_goes_into_a_response_as_sliders():
     z, n, force = 0.0, 2.0, []
     for dx in np.diff(np.interp(np.arange(0.0, T[-1], 5e-5), T, SINE), prepend=0.0):

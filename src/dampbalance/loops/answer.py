@@ -152,8 +152,7 @@ class LoopOutcome(Identified):
 
         tables = []
         for loop, drift in zip(self.loops, self.fit.drifts.tolist(), strict=True):
-            b, W = loop.by_cycle(loop.v), loop.lost
-            a = loop.by_cycle(self.fit.contact.share(loop))
+            a, b, W = row_of(loop, self.fit)
             per_load = np.where((a > 0.0) & loop.closed, a / loop.load, np.nan)
             F = (W - self.law["c"] * b) / per_load
             x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
@@ -212,7 +211,7 @@ class LoopOutcome(Identified):
         """The mean cycle of each amplitude in each record."""
         levels, c = [], self.law["c"]
         for loop in self.loops:
-            X, b, W = loop.amplitudes, loop.by_cycle(loop.v), loop.lost
+            X, (_, b, W) = loop.amplitudes, row_of(loop, self.fit)
             steps = np.round(np.log(X / X.max()) / _SAME_LEVEL)
             samples = np.bincount(loop.cycle[loop.own])
             for step in np.unique(steps):
@@ -362,6 +361,13 @@ def _fits(loops: Sequence[Loop], share: float, backlash: bool) -> dict[str, Loop
     return {"one slider": slider, "gradual": gradual}
 
 
+def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
+    """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
+    quadratic damper takes."""
+    quadratic = fit.linear.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
+    return loop.by_cycle(fit.contact.share(loop)), loop.by_cycle(loop.v), loop.lost - quadratic
+
+
 def _answer(
     name: str, fit: LoopFit, loops: Sequence[Loop], fits: Mapping[str, LoopFit], scatter: float
 ) -> Answer:
@@ -415,11 +421,10 @@ def _answer(
         notes.append(
             Remark("c cannot be distinguished from a contact that yields gradually: vary the speed")
         )
-    a = np.concatenate([loop.by_cycle(fit.contact.share(loop)) for loop in loops])
-    b = np.concatenate([loop.by_cycle(loop.v) for loop in loops])
-    W = np.concatenate([loop.lost for loop in loops])
+    rows = [row_of(loop, fit) for loop in loops]
+    a, b, W = (np.concatenate(of) for of in zip(*rows, strict=True))
     names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
-    errors = np.repeat([np.std(of.lost, ddof=1) for of in loops], [of.cycles for of in loops])
+    errors = np.concatenate([np.full(of[2].size, np.std(of[2], ddof=1)) for of in rows])
     balance = Balance(Rows({FRICTION: a, "c": b}, W), errors, names)
     merit = {
         "residual": fit.rms / float(np.std(design.f)),
@@ -489,6 +494,11 @@ def _rig(fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None
             f"The friction falls with the speed: at rest it is larger by F_S = {size} N, which falls off over v_S = "
             f"{speed} m/s; F_k is that at high speed."
         )
+    if "c_2" in of:
+        c_2 = with_error(of["c_2"], errors["c_2"])
+        yield f"A quadratic damper of c_2 = {c_2} N s²/m² acts in addition to the viscous one."
+    if "m" in of:
+        yield f"A mass of m = {with_error(of['m'], errors['m'])} kg moves between contact and load cell."
     if "g" in of:
         gap = with_error(2e3 * of["g"], 2e3 * errors["g"])
         yield f"The fixture has a backlash: a dead band of {gap} mm in the displacement."

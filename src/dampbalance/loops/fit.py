@@ -1,6 +1,6 @@
 """Fit of a contact to measured loops: variable projection, and a jackknife over blocks of cycles.
 
-    f = Σ κ_j z_j + k x + c ẋ + drift t + offsets,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
+    f = Σ κ_j z_j + k x + c ẋ + c_2 ẋ|ẋ| + m ẍ + drift t + offsets,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
 
 One slider, that of the paper, has κ = K_z and r = Z_m = F_k/K_z; a gradual contact has many. One slider may be
 extended:
@@ -37,7 +37,7 @@ MOST_BLOCKS = 24
 
 # part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
 _BETWEEN, _STEADY = 0.8, 0.1
-_CURVED = 0.1  # of ẋ|ẋ|, which no combination of ẋ and its sign makes
+_INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
 _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
@@ -47,7 +47,7 @@ SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not tol
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
 # of a scatter between blocks alone, below which another contact predicts them better
 _P_SIMPLER = 0.01
-_P_EXTENDED = 0.002  # each of three extensions may win by chance
+_P_EXTENDED = 0.002  # for five extensions, each of which may win by chance
 _LESS = 0.05  # of the sum of squares: an extension that takes less does not matter, however certain it is
 _P_CONSTANT = 0.001  # for three laws of speed of a contact of many sliders
 _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
@@ -59,6 +59,8 @@ EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
     "fall": {"fall": (0.1, 0.4), "v_S": _STRIBECK},
     "knee": {"n": (1.0, 3.0)},
+    "c_2": {},
+    "m": {},
 }
 """Extensions of one slider by name: the parameters of its shape that become free, and where their search starts."""
 
@@ -101,10 +103,10 @@ class LoopFit:
     """A contact fitted to loops.
 
     design : what it was fitted to.   extensions, shape : of one slider; None and empty of many.
-    contact : of all blocks.   linear : k, and c where it is free.   drifts : of the loops,
+    contact : of all blocks.   linear : coefficients of the terms beyond friction, by symbol.   drifts : of the loops,
     N/s.
-    values, errors : by symbol: F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), g (m), F_S (N), v_S (m/s)
-    and n.
+    values, errors : by symbol: F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2 (N s²/m²), m (kg), g
+    (m), F_S (N), v_S (m/s) and n.
     covariance : of F_k, c and K_z as far as determined.   freedom : blocks less one, of Student's t.
     without : contact and linear coefficients without each block.   models : force of each loop in its cycles, N.
     total : RSS, N².   slipping : share of the samples in slip.   predicted : sum of squares of each block by the fit to
@@ -137,7 +139,8 @@ class LoopFit:
 
         drift : of that loop, N/s.
         """
-        linear = self.linear["k"] * loop.x + self.linear.get("c", 0.0) * loop.v
+        of = {"k": loop.x, **motions_of(loop)}
+        linear = sum(p * of[name] for name, p in self.linear.items())
         return np.asarray(
             loop.f - drift * loop.t - self.contact.F_k * self.contact.share(loop) - linear
         )
@@ -152,8 +155,14 @@ class LoopFit:
 
 
 def lost(loop: Loop, contact: Contact, linear: Mapping[str, float]) -> Array:
-    """Return the energy that a contact and a damper take in each cycle of a motion, J, (cycles,)."""
-    return loop.by_cycle(contact.F_k * contact.share(loop) + linear.get("c", 0.0) * loop.v)
+    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
+    damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
+    return loop.by_cycle(contact.F_k * contact.share(loop) + damped * loop.v)
+
+
+def motions_of(loop: Loop) -> dict[str, Array]:
+    """Return the columns of the terms that a motion has beyond friction and spring, by symbol, (n,)."""
+    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": np.gradient(loop.v, loop.t)}
 
 
 class Design:
@@ -177,9 +186,12 @@ class Design:
             for loop in loops
         ]
         x = self.stacked([loop.x for loop in loops])
+        self.base = [self.centred(column) for column in (x, *drifts)]
         self.v = self.stacked([loop.v for loop in loops])
-        self.undamped = [self.centred(column) for column in (x, *drifts)]
-        self.damped = [self.centred(self.v)] if self.with_c else []
+        motions = [motions_of(loop) for loop in loops]
+        self.motions = {
+            name: self.centred(self.stacked([of[name] for of in motions])) for name in motions[0]
+        }
         self.load = self.stacked([np.full(loop.x.size, loop.load) for loop in loops])
 
     def stacked(self, of_loops: Sequence[Array]) -> Array:
@@ -212,18 +224,24 @@ class Design:
         low, middle, high = np.percentile(np.concatenate(speeds), (25.0, 50.0, 75.0))
         return bool(high - low > _STEADY * middle)
 
-    @property
-    def columns(self) -> list[Array]:
-        """The columns other than friction: x, drifts, and ẋ where it is told from friction."""
-        return [*self.undamped, *self.damped]
-
     @cached_property
     def extensions(self) -> tuple[str, ...]:
-        """Names of the extensions that these motions determine: of two speeds no curve is told from a line."""
-        A, curve = np.array([self.v, np.sign(self.v)]).T, self.centred(self.v * np.abs(self.v))
-        rest = curve - A @ np.linalg.lstsq(A, curve)[0]
-        curved = self.with_c and float(rest @ rest) > _CURVED**2 * float(curve @ curve)
-        return tuple(name for name in EXTENSIONS if curved or name != "fall")
+        """Names of the extensions that these motions determine: at one frequency m ẍ is a spring, and of two speeds no
+        curve is told from a line."""
+
+        def independent(y: Array, columns: Sequence[Array]) -> bool:
+            A = np.array(columns).T
+            rest = y - A @ np.linalg.lstsq(A, y)[0]
+            return float(rest @ rest) > _INDEPENDENT**2 * float(y @ y)
+
+        curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
+        inertia = independent(self.motions["m"], self.base)
+        open_to = {"gap": True, "fall": curved, "knee": True, "c_2": curved, "m": inertia}
+        return tuple(name for name in EXTENSIONS if open_to[name])
+
+    def linear(self, names: Sequence[str]) -> list[Array]:
+        """Return the columns other than friction: x, drifts, and the terms named."""
+        return [*self.base, *(self.motions[name] for name in names)]
 
 
 def _without_each_block(A: Array, left: Array, block: Integers, blocks: int) -> Array:
@@ -247,7 +265,7 @@ def _covariance(out: Array) -> Array:
 
 
 class Slider:
-    """One slider with the extensions named, whose shape is searched."""
+    """One slider with the extensions named, whose shape is searched.   linear : names of its linear terms."""
 
     def __init__(
         self,
@@ -257,7 +275,8 @@ class Slider:
     ) -> None:
         self.design, self.extensions = design, extensions
         self.free = ["Z", *(name for of in extensions for name in EXTENSIONS[of])]
-        Q = np.linalg.qr(np.array(design.columns).T)[0]
+        self.linear = ["c"] * design.with_c + [of for of in extensions if of in design.motions]
+        Q = np.linalg.qr(np.array(design.linear(self.linear)).T)[0]
         f = design.f - Q @ (Q.T @ design.f)
 
         def cost(at: Array) -> float:
@@ -311,7 +330,7 @@ class Slider:
         """Return the fit; one step of Gauss and Newton leaves a block out."""
         design, at, step = self.design, self.at(self.shape), 1e-4
         s = design.share(self.contact(self.shape))
-        A = np.array([design.centred(s), *design.columns]).T
+        A = np.array([design.centred(s), *design.linear(self.linear)]).T
         p = np.linalg.lstsq(A, design.f)[0]
         ends = [(at + step * e, at - step * e) for e in np.eye(at.size)]
         shares = [
@@ -320,19 +339,19 @@ class Slider:
         slopes = [p[0] * design.centred(up - down) / (2.0 * step) for up, down in shares]
         J, model = np.column_stack([A, *slopes]), A @ p
         out = _without_each_block(J, design.f - model, design.block, design.blocks)
-        places = {"k": 1, "c": -1} if design.with_c else {"k": 1}
+        names, n = ["k", *self.linear], p.size - len(self.linear)
+        places = [1, *range(n, p.size)]
 
         def found(change: Array) -> tuple[Contact, dict[str, float]]:
             shape = self.shape_at(at + change[p.size :], self.shape)
-            moved = p + change[: p.size]
-            linear = {name: float(moved[place]) for name, place in places.items()}
+            linear = dict(zip(names, (p + change[: p.size])[places].tolist(), strict=True))
             return self.contact(shape, float(p[0] + change[0])), linear
 
         contact, linear = found(np.zeros(at.size + p.size))
         without = [found(change) for change in out]
         knee = 1.0 - 1e-9 if math.isinf(contact.n) else _KNEE
         slipping = float(np.mean(np.abs(s) > knee * design.load))
-        own = self.extensions, self.shape, p[2 : 1 + len(design.undamped)]
+        own = self.extensions, self.shape, p[2 : 1 + len(design.base)]
         return _made(design, own, (contact, linear), without, model, J @ out.T, slipping)
 
 
@@ -347,7 +366,7 @@ def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
         better = [
             i
             for i, of in enumerate(fits)
-            if min(of.values["F_k"], of.values.get("F_S", 1.0)) > 0.0
+            if min(of.values[s] for s in ("F_k", "F_S", "c_2", "m") if s in of.values) > 0.0
             and of.total < (1.0 - _LESS) * fit.total
             and predicts_better(of, fit, _P_EXTENDED)
         ]
@@ -368,11 +387,13 @@ def fit_gradual(
     from scipy.optimize import nnls  # slow to import
 
     r = design.X * np.geomspace(*within, count)
-    x, *drifts = design.undamped
+    x, *drifts = design.base
+    linear = ["c"] * design.with_c
+    damper = [design.motions[name] for name in linear]
     unit = Contact(r, 1.0 / r)
     z = design.stacked([unit.forces(loop) for loop in design.loops])
-    A = np.array([*design.centred(z), x, *design.damped, *drifts]).T
-    positive = count + 1 + len(design.damped)
+    A = np.array([*design.centred(z), x, *damper, *drifts]).T
+    positive = count + 1 + len(damper)
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
     A = A / scale
     own = [design.block == b for b in range(design.blocks)]
@@ -393,17 +414,18 @@ def fit_gradual(
     out = np.array([solved(G - g, y - s) for g, s in zip(grams, sides, strict=True)])
 
     def found(p: Array) -> tuple[Contact, dict[str, float]]:
-        linear = dict(zip("kc", p[count:positive].tolist(), strict=False))
-        return Contact(r, p[:count] / r), linear
+        return Contact(r, p[:count] / r), dict(
+            zip(["k", *linear], p[count:positive].tolist(), strict=True)
+        )
 
-    contact, linear = found(p / scale)
+    contact, k = found(p / scale)
     largest = int(np.flatnonzero(contact.kappa).max(initial=0))
     slipping = float(np.mean(np.abs(z[largest]) > (1.0 - 1e-9) * design.load))
     without = [found(of) for of in out / scale]
     return _made(
         design,
         (None, {}, (p / scale)[positive:]),
-        (contact, linear),
+        (contact, k),
         without,
         A @ p,
         A @ (out - p).T,
@@ -463,7 +485,7 @@ def _with_columns(fit: LoopFit, columns: Sequence[Array]) -> tuple[Array, Array]
     """Return the coefficients of further columns, with the linear ones left free, and the sum of squares of each block
     by the fit to the others."""
     design, left = fit.design, fit.design.force - np.concatenate(fit.models)
-    A = np.array([*design.centred(np.array(columns)), *design.columns]).T
+    A = np.array([*design.centred(np.array(columns)), *design.linear([*fit.linear][1:])]).T
     p = np.linalg.lstsq(A, left)[0]
     out = _without_each_block(A, left - A @ p, design.block, design.blocks)
     return p, design.by_block(left - np.sum(A * (p + out[design.block]), axis=1))
