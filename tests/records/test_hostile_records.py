@@ -186,6 +186,13 @@ def test_a_file_too_large_says_so(tmp_path):
         read(path)
 
 
+def test_a_cell_far_from_all_others_says_so(tmp_path):
+    """The library would take memory for all cells up to it, and end the process."""
+    path, far = tmp_path / "far.xlsx", '<row r="{}"><c r="{}"><v>1</v></c></row>'
+    xlsx(path, [far.format(1, "A1"), far.format(1048576, "XFD1048576")])
+    assert "XFD1048576, makes a sheet of 1,048,576 × 16,384 cells" in said_of(path)
+
+
 def test_memory_that_runs_out_is_no_damaged_file(tmp_path, monkeypatch, capsys):
     path = write(tmp_path / "run.h5")
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import datetime
 import math
+import re
+import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +21,8 @@ from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
+_MOST_CELLS = 12_500_000  # cells of a sheet, with some 100 bytes of memory for each
+_CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 _ROWS_THAT_COUNT = 20  # rows that distinguish a column of times from one that counts samples
 
 
@@ -27,6 +31,7 @@ def spreadsheet_file(path: Path) -> Table:
     and units stand above the first such row, as in a text file; points in time are read as s from the first on."""
     calamine = library("python_calamine", "a spreadsheet")
     rows: list[Sequence[Any]] = []
+    _require_dense(path)
     book = calamine.CalamineWorkbook.from_path(path)
     for name in book.sheet_names:
         sheet = book.get_sheet_by_name(name)
@@ -70,6 +75,25 @@ def spreadsheet_file(path: Path) -> Table:
 
     oddity = tail(path, "row", aside[0], aside[-1]) if aside else ""
     return Table(path, channels, lambda wanted: [column(i) for i in wanted], oddity=oddity)
+
+
+def _require_dense(path: Path) -> None:
+    """Raise RecordError for a workbook with a cell far from all others: the library takes memory for all cells up to
+    it, and ends the process where there is too little."""
+    if not zipfile.is_zipfile(path):
+        return
+    with zipfile.ZipFile(path) as packed:
+        for part in filter(re.compile("xl/worksheets/[^/]*[.]xml").fullmatch, packed.namelist()):
+            column, last = b"  A", 0
+            for cell in _CELL.finditer(packed.read(part)):
+                column, last = max(column, cell[1].rjust(3)), max(last, int(cell[2]))
+            letters = column.strip().decode()
+            width = sum(26**i * (ord(of) - 64) for i, of in enumerate(reversed(letters)))
+            if width * last > _MOST_CELLS:
+                raise RecordError(
+                    f"{path}: its last cell, {letters}{last}, makes a sheet of {last:,} × {width:,} cells, more than "
+                    f"{_MOST_CELLS:,}; delete the rows and columns behind the record, or save it as CSV"
+                )
 
 
 def _is_row(row: Sequence[Any]) -> bool:
