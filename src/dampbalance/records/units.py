@@ -32,6 +32,7 @@ _MASSES = {  # kg; the pound-mass is exact
 }
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0}  # rad
 _TURN = 2.0 * math.pi  # rad
+_LONGEST = 1000  # characters of a heading: the search for its unit takes their square
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,6 +192,8 @@ def split_label(label: str) -> tuple[str, str | None]:
     The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
     """
     label = label.strip()
+    if len(label) > _LONGEST:
+        return label, None
     if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
         return match[1].rstrip(" /,;:"), match[2] or None
     match = re.fullmatch(r"(.+?)\s*(?:[/,;:]|\bin\b(?=\s))\s*(\S.*)", label)
