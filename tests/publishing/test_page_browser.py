@@ -193,6 +193,7 @@ def test_links_lead_to_headings_below_the_bar(opened, viewport):
     assert (folded > 0) == (viewport is PHONE)
     assert folded == 0 or page.evaluate("document.documentElement.scrollHeight") < TALLEST
     bar = page.locator("nav").bounding_box()["height"]
+    page.emulate_media(reduced_motion="reduce")  # without smooth scrolling, which waits for frames
     for link in page.locator("nav a").all():
         link.click()
         section = page.locator(link.get_attribute("href"))
@@ -204,7 +205,6 @@ def test_links_lead_to_headings_below_the_bar(opened, viewport):
             arg=[heading.get_attribute("id"), bar],
         )
         assert section.locator(":is(p, table)").first.is_visible()  # unfolded
-        page.emulate_media(reduced_motion="reduce")  # the first one scrolls smoothly
     page.evaluate("location.hash = 'study-frequency'")  # inside a section that a phone folds
     page.locator("[id='study-frequency']").wait_for(state="visible")
     page.evaluate("document.querySelectorAll('details').forEach(one => { one.open = true; })")
