@@ -222,14 +222,12 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
 
 
 def path(name: str, value: object, wanted: str) -> Path:
-    """Return the path of a file or a folder, whose names have 255 bytes at most."""
+    """Return the path of a file or a folder."""
     if not isinstance(value, str | os.PathLike):
         refuse(name, wanted, value)
     text = os.fspath(value)
     if not isinstance(text, str) or "\0" in text:
         refuse(name, wanted, value)
-    if any(len(os.fsencode(part)) > 255 for part in Path(text).parts):
-        refuse(name, f"{wanted}, with names of 255 bytes at most", value)
     return Path(text)
 
 

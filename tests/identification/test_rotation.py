@@ -17,7 +17,6 @@ import pytest
 from analytic.integrator import integrate
 from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
 from dampbalance.commands.main import main
-from dampbalance.identification.table_of_sets import summarise
 from dampbalance.measured import read_records
 from dampbalance.model import UNITS as OF_TRANSLATION
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
@@ -259,20 +258,6 @@ def test_errors_have_units_of_a_rotation(orbits):
     with pytest.raises(ValueError, match=r"k = 1e\+12 N m/rad and J = 0.0001 kg m²") as error:
         identify(records, 1e12, mass=1e-4)
     assert "give the inertia in kg m² and the stiffness in N m/rad" in str(error.value)
-
-
-def test_sets_of_both_kinds_have_a_table_each(forced, tmp_path):
-    forced[1].save(tmp_path / "pendulum", figures=False)
-    columns = "approach,F_k_N,F_k_low_N,F_k_high_N,F_k_verdict"
-    (tmp_path / "beam").mkdir()
-    text = f"{columns}\ndirect,1.3,1.2,1.4,usable\n"
-    (tmp_path / "beam" / "identification.csv").write_text(text, encoding="utf-8")
-    lines = summarise(tmp_path, {"pendulum": "", "beam": ""}).splitlines()
-    heads = [line.split() for line in lines if line.startswith("set ")]
-    assert heads[0][2:] == [
-        *["T_k", "(N", "m)", "c", "(N", "m", "s/rad)", "K_z", "(N", "m/rad)", "verdict"]
-    ]
-    assert heads[1][2:] == ["F_k", "(N)", "verdict"]
 
 
 OF_ROTATION = {

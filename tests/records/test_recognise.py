@@ -50,7 +50,7 @@ def test_roles_units_and_times_are_refused_before_samples_are_loaded():
         raise AssertionError(f"channels {wanted} were loaded")
 
     channels = [RawChannel("y", "mm", 9), RawChannel("acc", "g", 9)]
-    refused = Table("run", channels, load, "arrays")
+    refused = Table("run", channels, load)
     for document, message in [
         ({"acceleration": {"channel": "b"}}, "no channel 'b'; it has 1 'y .mm.', 2 'acc .g.'"),
         ({"acceleration": {"channel": "y"}}, "'y': 'mm' is a unit of length"),

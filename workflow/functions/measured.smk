@@ -1,13 +1,13 @@
 # Sets of measured records: their files, and checks of them before anything is read.
 import glob
 import logging
+import runpy
 
 from snakemake.common import NOTHING_TO_BE_DONE_MSG
 from dampbalance.project.documents import refuse
 from dampbalance.identification.outputs import OVERVIEW, SUMMARY as SET_SUMMARY, outputs_of
 
 if config.get("measured"):  # slow to import
-    from dampbalance.identification.table_of_sets import summarise
     from dampbalance.measured import not_taken
     from dampbalance.law.law import law_of
     from dampbalance.records.errors import RecordError
@@ -67,7 +67,8 @@ def overview_with_failures():
     """Write and return the table of all sets when some could not be identified; the next run makes it anew."""
     folder = Path(MEASURED_FILES)
     folder.mkdir(parents=True, exist_ok=True)
-    text = summarise(folder, failures())
+    script = runpy.run_path(f"{ROOT}/workflow/scripts/measured/measured.py")
+    text = script["summarise"](folder, failures())
     for name in OVERVIEW:
         os.utime(folder / name, (0, 0))
     return text

@@ -62,9 +62,6 @@ def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
 
     permission : the option that allows a caller to replace them; empty where it was given.
     """
-    from ..records.readers.formats import require_showable  # slow to import
-
-    require_showable(folder)
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir():
         raise ValueError(f"{there} is a file: choose a folder for the results")

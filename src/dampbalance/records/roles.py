@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..project.wording import shortened
-from .errors import RecordError, RecordWarning, require_size
+from .errors import RecordError, RecordWarning
 from .headings import (
     WORDS,
     by_unit,
@@ -51,7 +51,6 @@ class Samples:
 
     def __init__(self, file: Table) -> None:
         everything = range(len(file.channels))
-        require_size(file.path, sum(raw.size or 0 for raw in file.channels))
         self.aside: dict[int, str] = {}
         self.rising: dict[int, float] = {}
         self.values = _samples(file, everything) or {}

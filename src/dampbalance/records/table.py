@@ -19,16 +19,7 @@ from numpy.typing import ArrayLike
 from ..arguments import floats
 from ..arrays import Array
 from ..project.wording import shortened
-from .errors import (
-    HIGHEST_RATE,
-    LATEST,
-    LONGEST_NAME,
-    LOWEST_RATE,
-    MOST_CHANNELS,
-    RecordError,
-    RecordWarning,
-    require_size,
-)
+from .errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError, RecordWarning
 from .units import split_label
 
 RATE_NAMES = (
@@ -74,29 +65,28 @@ class Table:
     """The channels of a file, or of signals in memory.
 
     channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
-    an empty cell.   what : the format, for messages.   place : where a sample, counted from 0, stands in the file.
-    oddity : what is odd about the file, warned of when it is read; "" for nothing.   loaded : channels loaded already.
+    an empty cell.   place : where a sample, counted from 0, stands in the file.
+    oddity : what is odd about the file, warned of when it is read; "" for nothing.   what : the format, for messages.
+    loaded : channels loaded already.
     """
 
     path: Path
     channels: Sequence[RawChannel]
     load: Callable[[Sequence[int]], Sequence[ArrayLike]]
-    what: str
     place: Callable[[int], str] = lambda sample: f"sample {sample + 1}"
     oddity: str = ""
+    what: str = "arrays"
     loaded: dict[int, Array] = field(default_factory=dict)
 
     def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
-        """Return all samples of channels by their numbers. Raises RecordError for more than fit into memory, for a
-        damaged file, and for what is no number; warns of what is odd about the file."""
-        require_size(self.path, sum(self.channels[i].size or 0 for i in wanted))
+        """Return all samples of channels by their numbers. Raises RecordError for a damaged file and for what is no
+        number; warns of what is odd about the file."""
         if self.oddity:
             warnings.warn(RecordWarning(self.oddity), stacklevel=2)
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
             loaded = self.load(missing) if missing else []
             arrays = [np.asarray(values, dtype=np.float64) for values in loaded]
-        require_size(self.path, sum(map(len, arrays)))
         self.loaded.update(zip(missing, arrays, strict=True))
         return {i: self.loaded[i] for i in wanted}
 
@@ -107,7 +97,7 @@ def intact(path: Path, what: str) -> Iterator[None]:
     try:
         yield
     except Exception as error:  # the libraries have errors of many kinds for a damaged file
-        if isinstance(error, RecordError):
+        if isinstance(error, RecordError | MemoryError):
             raise
         reason = " ".join(str(error).split()) or type(error).__name__
         raise RecordError(
@@ -122,27 +112,6 @@ def tail(path: Path, rows: str, first: int, last: int) -> str:
     return f"{path}: text after the last row of numbers, {where}, is left aside"
 
 
-def require_nameable(path: Path, channels: Sequence[RawChannel]) -> None:
-    """Raise RecordError for a file of more channels, or with longer names of channels, than any record has."""
-    require_channels(path, len(channels))
-    for number, channel in enumerate(channels, start=1):
-        longest = max(channel.label or channel.name, channel.unit or "", key=len)
-        if len(longest) > LONGEST_NAME:
-            raise RecordError(
-                f"{path}: the name of channel {number} has {len(longest):,} characters, {shortened(longest, 40)}; "
-                f"a name has {LONGEST_NAME:,} at most"
-            )
-
-
-def require_channels(path: Path, count: int) -> None:
-    """Raise RecordError for a file of more channels than any record has."""
-    if count > MOST_CHANNELS:
-        raise RecordError(
-            f"{path}: holds {count:,} channels, more than {MOST_CHANNELS:,}; a table has its samples along the longer "
-            "side: keep the channels of one record"
-        )
-
-
 def signals_in(
     path: Path, arrays: Iterable[tuple[str, tuple[int, ...], dict[str, object], str | None]]
 ) -> tuple[list[RawChannel], list[Callable[[Any], Any]]]:
@@ -155,7 +124,6 @@ def signals_in(
             continue
         several = len(shape) == 2 and min(shape) > 1
         count = min(shape) if several else 1
-        require_channels(path, len(channels) + count)
         folder, slash, last = name.rpartition("/")
         for i in range(count):
             label = f"{last}[{i + 1}]" if several else last
@@ -254,7 +222,6 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
         time = RawChannel(label, "s", array.size, label=label, stamps=True)
         channels.append(time if stamps else described(path, label, array.size, stated))
         arrays.append(array)
-    require_nameable(path, channels)
 
     def read(i: int) -> Array:
         try:
@@ -263,7 +230,7 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
             column = f"{path}: column {shortened(channels[i].label)}"
             raise RecordError(f"{column} holds {error}") from None
 
-    return Table(path, channels, lambda wanted: [read(i) for i in wanted], "arrays")
+    return Table(path, channels, lambda wanted: [read(i) for i in wanted])
 
 
 def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any, bool]]:
@@ -278,7 +245,6 @@ def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any,
         remedy = "give each signal its own name"
         raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
     rows = array.T if array.shape[0] > array.shape[1] else array
-    require_channels(path, len(rows))
     for i, row in enumerate(rows, start=1):
         yield f"{label}[{i}]", row, stamps
 

@@ -16,7 +16,6 @@ from functools import cache
 from ..model import named_with_unit
 from ..project.wording import shortened
 from .coordinate import ROTATION, TRANSLATION, Coordinate
-from .errors import LONGEST_NAME
 from .measurement import ABSOLUTE, QUANTITIES, ROTATING
 
 _LENGTHS = {  # m, exactly
@@ -33,7 +32,7 @@ _MASSES = {  # kg; the pound-mass is exact
 }
 _ANGLES = {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0}  # rad
 _TURN = 2.0 * math.pi  # rad
-_LONGEST = 40  # characters of a unit
+_LONGEST = 1000  # characters of a heading: the search for its unit takes their square
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +143,7 @@ class UnitError(ValueError):
 def find_unit(text: str, dimension: str | None = None) -> Unit | None:
     """Return the unit that a text spells, or None.   dimension : of rad/s, which is a frequency unless it is asked for
     as an angular velocity."""
-    plain = _plain(text) if len(text.strip()) <= _LONGEST else ""
+    plain = _plain(text)
     unit = _EXACT.get(plain) or _FOLDED.get(plain.casefold())
     return _RATE if unit and unit.name == _RATE.name and dimension == _RATE.dimension else unit
 
@@ -159,7 +158,7 @@ def find_other(text: str) -> str | None:
 
     Upper and lower case count here: mS is a conductance, ms a time.
     """
-    return _OTHER_UNITS.get(_plain(text)) if len(text.strip()) <= _LONGEST else None
+    return _OTHER_UNITS.get(_plain(text))
 
 
 def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
@@ -173,7 +172,7 @@ def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
     if unit is None:
         names = [unit.name for unit in UNITS]
         alike = [name for name in names if name.casefold() == text.strip().casefold()]
-        near = alike or difflib.get_close_matches(text.strip()[:_LONGEST], names, n=1)
+        near = alike or difflib.get_close_matches(text.strip(), names, n=1)
         hint = f" (did you mean {near[0]}?)" if near else ""
         other = find_other(text)
         what = f"{text!r} is a unit of {other}" if other else f"unknown unit {shortened(text)}"
@@ -193,7 +192,7 @@ def split_label(label: str) -> tuple[str, str | None]:
     The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
     """
     label = label.strip()
-    if len(label) > LONGEST_NAME:
+    if len(label) > _LONGEST:
         return label, None
     if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
         return match[1].rstrip(" /,;:"), match[2] or None
@@ -287,7 +286,7 @@ def factor_to(si: str, text: str) -> tuple[float, Coordinate]:
     unit, plain = find_unit(text), find_unit(si)
     if unit and plain and unit.dimension == plain.dimension:
         return unit.factor / plain.factor, TRANSLATION
-    readings = _readings(text.strip()) if len(text) <= _LONGEST else {}
+    readings = _readings(text.strip())
     for coordinate in (TRANSLATION, ROTATION):
         for exponents, factor in _readings(coordinate.unit(si)).items():
             if exponents in readings:

@@ -18,7 +18,7 @@ from ..project.files import replacing
 from ..project.wording import shortened
 from .errors import RecordError
 from .measurement import QUANTITIES, Measurement
-from .readers.formats import FORMATS, require_showable
+from .readers.formats import FORMATS
 from .units import column_name
 
 _MATLAB_TEXT = 116  # bytes of description at the start of a MATLAB file
@@ -32,7 +32,6 @@ def write(path: str | Path, measurement: Measurement) -> Path:
     """
     path = arguments.path("path", path, "the path of a file")
     instance("measurement", measurement, Measurement)
-    require_showable(path)
     suffix = path.suffix.lower()
     written = (*FORMATS["text"].suffixes, *FORMATS["matlab"].suffixes)
     if suffix not in written:

@@ -15,7 +15,7 @@ from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Measurement
 from ..proposal import suggested_mapping
 from ..recognise import picks_of, recognise
-from ..table import Table, require_nameable
+from ..table import Table, intact
 from .array_files import hdf5_file, json_file, matlab_file, numpy_file
 from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
@@ -62,9 +62,10 @@ def table(path: str | Path, mapping: MappingLike = None) -> Table:
     loaded where they are asked for. Raises RecordError as `read`."""
     path, rules = _named(path, mapping)
     content = checked_format(path)
-    file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
-    require_nameable(path, file.channels)
-    return file
+    what = FORMATS["matlab" if content == "matlab73" else content].title
+    with intact(path, what):
+        file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
+    return replace(file, what=what)
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import json
-import math
-import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import RecordError, library, require_size
-from ..table import TIMING_NAMES, UNIT_NAMES, Table, intact, signals_file, signals_in, unit_among
+from ..errors import RecordError, library
+from ..table import TIMING_NAMES, UNIT_NAMES, Table, signals_file, signals_in, unit_among
 from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
-_BYTES = 8  # size of a number
 # fields of MATLAB that name the signals next to them, and those that hold their times
 _LABELS = (
     *("names", "name", "labels", "label"),
@@ -36,7 +32,7 @@ def hdf5_file(path: Path) -> Table:
     Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars next to it.
     """
     h5py = library("h5py", "HDF5")
-    with intact(path, "HDF5"), h5py.File(path, "r") as file:
+    with h5py.File(path, "r") as file:
         datasets = list(_datasets(h5py, file))
         scalars = {
             last: d[()].item()
@@ -53,7 +49,7 @@ def hdf5_file(path: Path) -> Table:
         with h5py.File(path, "r") as file:
             return [signals[i](file) for i in wanted]
 
-    return Table(path, channels, load, "HDF5")
+    return Table(path, channels, load)
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
@@ -85,15 +81,13 @@ def _attributes(item: Any) -> dict[str, object]:
 def matlab_file(path: Path) -> Table:
     """Return the table of a MATLAB 5 file: every real array in it is a channel, a field of a structure by
     "structure.field", with [1], [2], … behind it where there is an array of structures. Where texts next to a matrix
-    name its signals, they are called by them. Raises RecordError for arrays too large for memory."""
+    name its signals, they are called by them."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
-    with intact(path, "MATLAB"):
-        stated = whosmat(path)
-        require_size(path, sum(math.prod(shape) for _, shape, _ in stated))
-        truths = {name for name, _, kind in stated if kind == "logical"}
-        document = reader.read_mat(str(path))
+    stated = whosmat(path)
+    truths = {name for name, _, kind in stated if kind == "logical"}
+    document = reader.read_mat(str(path))
     held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
     units, fields = dict[str, str](), dict[str, Any]()
     for name, value, unit in _unrolled(held):
@@ -104,7 +98,7 @@ def matlab_file(path: Path) -> Table:
     shaped = {n: v for n, v in fields.items() if isinstance(v, np.ndarray)}
     arrays = [(n, v.shape, scalars, units[n] or None) for n, v in shaped.items()]
     channels, signals = signals_in(path, arrays)
-    return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted], "MATLAB")
+    return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted])
 
 
 def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
@@ -152,24 +146,21 @@ def numpy_file(path: Path) -> Table:
     """Return the table of an array of NumPy, or of an archive of several: each is a channel, and so is each field or
     column of one that has them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects
     are passed over."""
-    with intact(path, "NumPy"), open(path, "rb") as stream:
+    with open(path, "rb") as stream:
         if stream.read(2) == b"PK":
-            with zipfile.ZipFile(stream) as packed:
-                require_size(path, sum(part.file_size for part in packed.infolist()) // _BYTES)
             stream.seek(0)
             with np.load(stream) as archive:
                 loads = {name: partial(archive.__getitem__, name) for name in archive.files}
                 held = {name: array for name in loads if (array := _plain(loads[name])) is not None}
         else:
             array = _plain(partial(np.load, path, mmap_mode="r"))
-            require_size(path, np.size(array))
             held = {} if array is None else {"": np.array(array)}
         if not held:
             remedy = "save its signals as arrays of numbers"
             raise RecordError(
                 f"{path}: holds Python objects alone, pickled, which are not loaded; {remedy}"
             )
-        return _table(path, held.popitem()[1] if len(held) == 1 else held, "NumPy")
+        return _table(path, held.popitem()[1] if len(held) == 1 else held)
 
 
 def _plain(load: Callable[[], Any]) -> Any:
@@ -191,27 +182,26 @@ def json_file(path: Path) -> Table:
     if (size := path.stat().st_size) > _LARGEST_JSON:
         much = f"{size / 1e6:.3g} MB, more than the {_LARGEST_JSON / 1e6:g} MB"
         raise RecordError(f"{path}: has {much} that are read as JSON; save it as CSV or HDF5")
-    with intact(path, "JSON"):
-        held = json.loads(path.read_bytes())
-        if isinstance(held, dict) and {"columns", "data"} <= held.keys():
-            held = dict(zip(held["columns"], zip(*held["data"], strict=True), strict=True))
-        elif isinstance(held, list) and all(isinstance(row, dict) for row in held):
-            names = dict.fromkeys(name for row in held for name in row)
-            held = {name: [row.get(name) for row in held] for name in names}
-        elif isinstance(held, list):
-            held = np.array(held, dtype=np.float64)
-        if not isinstance(held, dict | np.ndarray):
-            raise RecordError(f"{path}: holds neither columns nor rows; save names and lists")
-        for name, values in held.items() if isinstance(held, dict) else ():
-            cells = [*values.values()] if isinstance(values, dict) else values
-            if isinstance(cells, list | tuple) and cells and isinstance(cells[0], str):
-                with suppress(ValueError):  # any other text is no number, where it is needed
-                    cells = pd.to_datetime(cells, format="ISO8601", utc=True)
-            held[name] = cells
-        return _table(path, held, "JSON")
+    held = json.loads(path.read_bytes())
+    if isinstance(held, dict) and {"columns", "data"} <= held.keys():
+        held = dict(zip(held["columns"], zip(*held["data"], strict=True), strict=True))
+    elif isinstance(held, list) and all(isinstance(row, dict) for row in held):
+        names = dict.fromkeys(name for row in held for name in row)
+        held = {name: [row.get(name) for row in held] for name in names}
+    elif isinstance(held, list):
+        held = np.array(held, dtype=np.float64)
+    if not isinstance(held, dict | np.ndarray):
+        raise RecordError(f"{path}: holds neither columns nor rows; save names and lists")
+    for name, values in held.items() if isinstance(held, dict) else ():
+        cells = [*values.values()] if isinstance(values, dict) else values
+        if isinstance(cells, list | tuple) and cells and isinstance(cells[0], str):
+            with suppress(ValueError):  # any other text is no number, where it is needed
+                cells = pd.to_datetime(cells, format="ISO8601", utc=True)
+        held[name] = cells
+    return _table(path, held)
 
 
-def _table(path: Path, held: Any, what: str) -> Table:
+def _table(path: Path, held: Any) -> Table:
     """Return the table of arrays in a file, without what is no signal and no rate."""
     if isinstance(held, Mapping):
         held = {
@@ -219,4 +209,4 @@ def _table(path: Path, held: Any, what: str) -> Table:
             for name, values in held.items()
             if (np.size(values) > 1 and np.ndim(values) < 3) or str(name).lower() in TIMING_NAMES
         }
-    return replace(signals_file(str(path), held), what=what)
+    return signals_file(str(path), held)

@@ -17,7 +17,7 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
 from ..headings import quantity_of, words_of
-from ..table import RawChannel, Table, described, intact, unit_among
+from ..table import RawChannel, Table, described, unit_among
 from ..units import split_label
 
 # universal files: the function types of a time response and of a frequency response, what a channel without a name
@@ -47,7 +47,7 @@ def parquet_file(path: Path) -> Table:
         metadata = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
         return described(path, field.name, size, {}, unit_among(metadata))
 
-    with intact(path, "Parquet"), parquet.ParquetFile(path) as file:
+    with parquet.ParquetFile(path) as file:
         fields, size = list(file.schema_arrow), file.metadata.num_rows
         channels = [channel(field) for field in fields]
 
@@ -68,7 +68,7 @@ def parquet_file(path: Path) -> Table:
             table = file.read(columns=sorted({fields[i].name for i in wanted}))
         return [numbers(table.column(f.name), f.type, f.name) for f in (fields[i] for i in wanted)]
 
-    return Table(path, channels, load, "Parquet")
+    return Table(path, channels, load)
 
 
 def uff_file(path: Path) -> Table:
@@ -79,45 +79,44 @@ def uff_file(path: Path) -> Table:
     phase, "1/phase" of the first of several."""
     pyuff = library("pyuff", "a universal file")
     channels, arrays = [], []
-    with intact(path, "a universal file"):
-        tidy = _tidied(path.read_bytes())
-        marks = tidy.count(b"    -1\n") + tidy.count(b"    -1\r")
-        with tempfile.TemporaryDirectory() as folder:
-            copy = Path(folder) / "tidy.uff"
-            copy.write_bytes(tidy)
-            file = pyuff.UFF(str(copy))
-            kinds = map(int, file.get_set_types())
-            sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
-        responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
-        sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
-        for number, item in enumerate([] if sets else responses, start=1):
-            group = f"{number}/" * (len(responses) > 1)
-            for name, unit, values in _frequency_response(item):
-                channels.append(RawChannel(group + name, unit, values.size, label=group + name))
-                arrays.append(values)
-        for item, label in zip(sets, _names(sets), strict=True):
-            n = int(item["num_pts"])
-            values = np.asarray(item["data"])
-            if values.size != n or np.iscomplexobj(values):
-                raise RecordError(
-                    f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real "
-                    "signal"
-                )
-            even = item["abscissa_spacing"] == 1
-            timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
-            stated = _stated(item, "ordinate_axis_units_lab")
-            channel = described(path, label, n, timing, stated)
-            if not even:  # its times stand in it, in front of it here
-                seconds = _stated(item, "abscissa_axis_units_lab") or "s"
-                channels.append(RawChannel(f"{channel.name} time", seconds, n))
-                arrays.append(np.asarray(item["x"]))
-            channels.append(channel)
+    tidy = _tidied(path.read_bytes())
+    marks = tidy.count(b"    -1\n") + tidy.count(b"    -1\r")
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "tidy.uff"
+        copy.write_bytes(tidy)
+        file = pyuff.UFF(str(copy))
+        kinds = map(int, file.get_set_types())
+        sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
+    responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
+    sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+    for number, item in enumerate([] if sets else responses, start=1):
+        group = f"{number}/" * (len(responses) > 1)
+        for name, unit, values in _frequency_response(item):
+            channels.append(RawChannel(group + name, unit, values.size, label=group + name))
             arrays.append(values)
+    for item, label in zip(sets, _names(sets), strict=True):
+        n = int(item["num_pts"])
+        values = np.asarray(item["data"])
+        if values.size != n or np.iscomplexobj(values):
+            raise RecordError(
+                f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real "
+                "signal"
+            )
+        even = item["abscissa_spacing"] == 1
+        timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
+        stated = _stated(item, "ordinate_axis_units_lab")
+        channel = described(path, label, n, timing, stated)
+        if not even:  # its times stand in it, in front of it here
+            seconds = _stated(item, "abscissa_axis_units_lab") or "s"
+            channels.append(RawChannel(f"{channel.name} time", seconds, n))
+            arrays.append(np.asarray(item["x"]))
+        channels.append(channel)
+        arrays.append(values)
     if marks % 2:
         raise RecordError(f"{path}: its last data set has no end; it was cut short")
     if not arrays:
         raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
-    return Table(path, channels, lambda wanted: [arrays[i] for i in wanted], "a universal file")
+    return Table(path, channels, lambda wanted: [arrays[i] for i in wanted])
 
 
 def _tidied(raw: bytes) -> bytes:
@@ -191,7 +190,7 @@ def tdms_file(path: Path) -> Table:
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages
     # the file alone, not an index that may lie next to it
-    with intact(path, "TDMS"), open(path, "rb") as stream:
+    with open(path, "rb") as stream:
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
         signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
@@ -219,7 +218,7 @@ def tdms_file(path: Path) -> Table:
             file = nptdms.TdmsFile.open(stream)
             return [file[group][name][:] for group, name in (names[i] for i in wanted)]
 
-    return Table(path, channels, load, "TDMS")
+    return Table(path, channels, load)
 
 
 def wav_file(path: Path) -> Table:
@@ -235,7 +234,7 @@ def wav_file(path: Path) -> Table:
         raise RecordError(
             f"{path}: has {size} of the {count + 8} bytes that its header says; it was cut short"
         )
-    with intact(path, "WAV"), warnings.catch_warnings():
+    with warnings.catch_warnings():
         # chunks of notes that hold no samples
         warnings.simplefilter("ignore", wavfile.WavFileWarning)
         try:
@@ -251,7 +250,7 @@ def wav_file(path: Path) -> Table:
     def load(wanted: Sequence[int]) -> list[Array]:
         return [(np.asarray(table[:, i], dtype=np.float64) - zero) / full for i in wanted]
 
-    return Table(path, channels, load, "WAV")
+    return Table(path, channels, load)
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
@@ -264,31 +263,28 @@ def lvm_file(path: Path) -> Table:
     """Return the table of a text file of LabVIEW: the channels of its one segment, with names and units, in the steps
     of its header."""
     reader = library("lvm_read", "a text file of LabVIEW")
-    with intact(path, "a text file of LabVIEW"):
-        document = reader.read(str(path), read_from_pickle=False, dump_file=False)
-        if document["Segments"] != 1:
-            remedy = "a record has one: keep that of one level"
-            raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
-        segment = document[0]
-        names = [name.strip() for name in segment["Channel names"]]
-        data = segment["data"]
-        if "Comment" in names:
-            data, names = data[:, : names.index("Comment")], names[: names.index("Comment")]
-        steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
-        units = iter(segment.get("Y_Unit_Label", []))
-        channels = []
-        for name in names:
-            if name == "X_Value":
-                channels.append(RawChannel("time", "s", len(data), label=name))
-                continue
-            step, start = next(steps, 0.0), next(starts, 0.0)
-            timing = {"dt": step, "t0": start} if step > 0.0 else {}
-            unit = next(units, "").strip() or None
-            channels.append(described(path, name, len(data), timing, unit))
-        even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
+    document = reader.read(str(path), read_from_pickle=False, dump_file=False)
+    if document["Segments"] != 1:
+        remedy = "a record has one: keep that of one level"
+        raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
+    segment = document[0]
+    names = [name.strip() for name in segment["Channel names"]]
+    data = segment["data"]
+    if "Comment" in names:
+        data, names = data[:, : names.index("Comment")], names[: names.index("Comment")]
+    steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
+    units = iter(segment.get("Y_Unit_Label", []))
+    channels = []
+    for name in names:
+        if name == "X_Value":
+            channels.append(RawChannel("time", "s", len(data), label=name))
+            continue
+        step, start = next(steps, 0.0), next(starts, 0.0)
+        timing = {"dt": step, "t0": start} if step > 0.0 else {}
+        unit = next(units, "").strip() or None
+        channels.append(described(path, name, len(data), timing, unit))
+    even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
     # the header has the digits that a column of times lacks
     kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
     channels = [channels[i] for i in kept]
-    return Table(
-        path, channels, lambda wanted: [data[:, kept[i]] for i in wanted], "a text file of LabVIEW"
-    )
+    return Table(path, channels, lambda wanted: [data[:, kept[i]] for i in wanted])

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-from ...project.wording import shortened, visible
+from ...project.wording import shortened
 from ..errors import LARGEST_FILE, RecordError
 
 _BEGINNINGS: dict[str, bytes | tuple[bytes, ...]] = {
@@ -77,18 +77,9 @@ def content_of(path: Path) -> str | None:
     return None if control and not marked else "text"
 
 
-def require_showable(path: Path) -> None:
-    """Raise RecordError for a name with control characters: it would stand in every report and figure."""
-    if visible(str(path)) != str(path):
-        raise RecordError(
-            f"{shortened(str(path), 200)}: its name has characters that cannot be shown; choose another"
-        )
-
-
 def checked_format(path: Path) -> str:
     """Return the content (`content_of`) of a regular file that is there, not empty, and what its name says it is.
     Raises RecordError otherwise."""
-    require_showable(path)
     try:
         if path.is_dir():
             raise RecordError(f"{path}: is a folder; give the files in it")

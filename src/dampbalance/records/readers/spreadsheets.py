@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import functools
 import math
 import re
 import zipfile
@@ -17,14 +16,14 @@ import numpy as np
 from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
-from ..table import LONGEST_TAIL, Table, intact, require_channels, tail
+from ..table import LONGEST_TAIL, Table, tail
 from .text import columns_of, timed
 
 _DAYS = (datetime.datetime, datetime.date, datetime.time, datetime.timedelta)
 _EPOCH = datetime.datetime(1900, 1, 1)
 _MOST_CELLS = 12_500_000  # cells of a sheet, with some 100 bytes of memory for each
-_ROWS_THAT_COUNT = 20  # rows that distinguish a column of times from one that counts samples
 _CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
+_ROWS_THAT_COUNT = 20  # rows that distinguish a column of times from one that counts samples
 
 
 def spreadsheet_file(path: Path) -> Table:
@@ -32,18 +31,16 @@ def spreadsheet_file(path: Path) -> Table:
     and units stand above the first such row, as in a text file; points in time are read as s from the first on."""
     calamine = library("python_calamine", "a spreadsheet")
     rows: list[Sequence[Any]] = []
-    with intact(path, "a spreadsheet"):
-        _require_dense(path)
-        book = calamine.CalamineWorkbook.from_path(path)
-        for name in book.sheet_names:
-            sheet = book.get_sheet_by_name(name)
-            if sheet.start is None or sheet.end is None:
-                continue
-            require_channels(path, sheet.end[1] + 1)
-            left = [""] * sheet.start[1]  # columns before the first that holds something
-            rows = [left + row for row in sheet.iter_rows()]
-            if any(map(_is_row, rows)):
-                break
+    _require_dense(path)
+    book = calamine.CalamineWorkbook.from_path(path)
+    for name in book.sheet_names:
+        sheet = book.get_sheet_by_name(name)
+        if sheet.start is None or sheet.end is None:
+            continue
+        left = [""] * sheet.start[1]  # columns before the first that holds something
+        rows = [left + row for row in sheet.iter_rows()]
+        if any(map(_is_row, rows)):
+            break
     first = next((i for i, row in enumerate(rows) if _is_row(row)), None)
     if first is None:
         raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
@@ -77,10 +74,7 @@ def spreadsheet_file(path: Path) -> Table:
         return np.array([math.nan if cell == "" else float(cell) for cell in cells])
 
     oddity = tail(path, "row", aside[0], aside[-1]) if aside else ""
-    return Table(
-        *(path, channels, lambda wanted: [column(i) for i in wanted], "a spreadsheet"),
-        oddity=oddity,
-    )
+    return Table(path, channels, lambda wanted: [column(i) for i in wanted], oddity=oddity)
 
 
 def _require_dense(path: Path) -> None:
@@ -90,12 +84,11 @@ def _require_dense(path: Path) -> None:
         return
     with zipfile.ZipFile(path) as packed:
         for part in filter(re.compile("xl/worksheets/[^/]*[.]xml").fullmatch, packed.namelist()):
-            columns, last = {b""}, 0
+            column, last = b"  A", 0
             for cell in _CELL.finditer(packed.read(part)):
-                columns.add(cell[1])
-                last = max(last, int(cell[2]))
-            letters = max(columns, key=lambda name: (len(name), name)).decode()
-            width = functools.reduce(lambda n, letter: 26 * n + ord(letter) - 64, letters, 0)
+                column, last = max(column, cell[1].rjust(3)), max(last, int(cell[2]))
+            letters = column.strip().decode()
+            width = sum(26**i * (ord(of) - 64) for i, of in enumerate(reversed(letters)))
             if width * last > _MOST_CELLS:
                 raise RecordError(
                     f"{path}: its last cell, {letters}{last}, makes a sheet of {last:,} × {width:,} cells, more than "

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 WHITESPACE = "whitespace"
-# characters: room for all channels that a record may have, and no more than the module csv takes
-LONGEST_LINE = 131_072
 _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
@@ -294,11 +292,9 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     """
     encoding = _encoding(path)
     lines: list[str] = []
-    left = _SAMPLE_CHARACTERS
     for line in itertools.islice(_lines(path, encoding), _SAMPLE_LINES):
         lines.append(line)
-        left -= len(line)
-        if left < 0:
+        if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
             break
     begun = (line.lstrip()[:1] for line in lines)
     comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
@@ -336,20 +332,13 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
         ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
     cut = "its last line has no end; if the file was cut, its last number is wrong"
     oddity = "" if ended else f"{path}: {cut}"
-    return Table(path, channels, load, "delimited text", layout.place, oddity)
+    return Table(path, channels, load, layout.place, oddity)
 
 
 def _lines(path: Path, encoding: str) -> Iterator[str]:
-    """Yield the lines of a file. Raises RecordError for one that is too long to be a row of a record."""
+    """Yield the lines of a file."""
     with open(path, encoding=encoding, errors="replace", newline=None) as stream:
-        every = iter(lambda: stream.readline(LONGEST_LINE + 1), "")
-        for number, line in enumerate(every, start=1):
-            if len(line) > LONGEST_LINE:
-                raise RecordError(
-                    f"{path}: line {number} has more than {LONGEST_LINE:,} characters; it is no row of a record: keep "
-                    "the channels of one record, one row a sample"
-                )
-            yield line
+        yield from stream
 
 
 def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]) -> list[Array]:
