@@ -4,7 +4,7 @@ snakemake --cores all            everything, with a verdict on every printed num
 snakemake --cores all check      the comparison with the recorded verdicts
 snakemake --cores all --configfile config/measured.yaml     identification from measured records
 snakemake --cores all results/site     the site of documentation, with all studies
-snakemake --cores all tables     one kind of result: orbits, records, features, estimates, tables, figures, claims
+snakemake --cores all tables     one kind of result: features, estimates, tables, figures, claims
 """
 
 import sys
@@ -31,8 +31,7 @@ configfile: relpath(ROOT / "config/config.yaml")
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/simulate.smk"
-include: "workflow/rules/features.smk"
+include: "workflow/rules/response.smk"
 include: "workflow/rules/estimates.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
@@ -90,7 +89,7 @@ rule all:
     input:
         # Intermediate results are inputs as well: a job that fails removes its results, and Snakemake misses them only when
         # they are inputs here.
-        [*rules.orbits.input, *rules.records.input, *rules.features.input] if not MEASURED else [],
+        rules.features.input if not MEASURED else [],
         rules.estimates.input if not MEASURED else [],
         rules.tables.output if not MEASURED else [],
         rules.figures.output if not MEASURED else [],

@@ -8,7 +8,7 @@ include: "../functions/figures.smk"
 rule figures:
     input:
         orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
-        estimates=rules.estimate_exact.output.estimates,
+        estimates=at_each_frequency("estimates/exact/{frequency}.csv"),
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         code=PACKAGE,
     output:
