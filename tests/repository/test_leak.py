@@ -22,6 +22,7 @@ REFERENCE = re.compile(
 ALLOWED = (
     "src/dampbalance/replication/claims/",
     "src/dampbalance/publishing/article/derived_numbers.py",
+    "workflow/scripts/article/article_numbers.py",
     "workflow/rules/claims.smk",
     "workflow/functions/claims.smk",
     "workflow/scripts/claims/claims.py",

@@ -20,11 +20,16 @@ class Named(SimpleNamespace):
     def __getattr__(self, name: str) -> Any:
         return None
 
+    def get(self, name: str, default: Any = None) -> Any:
+        return vars(self).get(name, default)
+
 
 def run(script: str, **given: Any) -> None:
     """One job: `script` is a path below workflow/scripts; input, output, params are by name."""
     groups = {name: Named(**value) for name, value in given.items()}
-    snakemake = SimpleNamespace(**{"input": Named(), "output": Named(), "log": ()} | groups)
+    snakemake = SimpleNamespace(
+        **{"input": Named(), "output": Named(), "log": (), "threads": 1} | groups
+    )
     hook = sys.excepthook  # which a script replaces
     try:
         path = ROOT / "workflow/scripts" / script

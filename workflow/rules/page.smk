@@ -24,7 +24,7 @@ rule page:
         figures=list(PAGE_FIGURES.values()),
         evidence=rules.article_numbers.output.evidence if config["published"] else [],
         shown=rules.article_numbers.output.studies if config["published"] else [],
-        study_files=study_files(PAGE_STUDIES),
+        study_files=[*map(STUDY_FILES.get, PAGE_STUDIES)],
         study_figures=expand(f"{STUDY_RESULTS}/{{study}}/figure.svg", study=PAGE_STUDIES),
         code=PACKAGE,
     output:
@@ -34,7 +34,7 @@ rule page:
             labels={"result": "The page of the case"},
         ),
     params:
-        papers=lambda wildcards: [*map(study_defaults, PAGE_STUDIES)],
+        papers=lambda wildcards: [STUDY_PLANS[name][2] for name in PAGE_STUDIES],
         config=config,
         study_folder=lambda wildcards: STUDY_RESULTS,
         figures=list(PAGE_FIGURES),

@@ -1,5 +1,5 @@
-"""F_k and c by every approach from exact features, or from the read-outs of the as-published route, its Table 3 with the
-sign that the printed columns have."""
+"""F_k and c by every approach from exact features, or from the read-outs of the as-published route, its Table 3 with
+the sign that the printed columns have."""
 
 from dampbalance.estimates import estimate_table
 from dampbalance.features import Features
