@@ -46,10 +46,6 @@ include: "workflow/rules/provenance.smk"
 
 
 onsuccess:
-    # The log holds the messages of the rules that ran.
-    done = "".join(Path(file).read_text(encoding="utf-8") for file in log)
-    if fresh := [name for name in MEASURED if f"records of {name}" in done]:
-        show_tables(fresh)
     if config["published"] and compared_at() != COMPARED_BEFORE:
         summary = SUMMARY.read_text(encoding="utf-8")
         # The summary's first paragraph says how the verdicts fare; the rest is for a reader of the file.
@@ -57,23 +53,17 @@ onsuccess:
         if WORSE in summary:
             print(f"All of them: {SUMMARY}; why: {rules.claims.output.md}")
             sys.exit(1)
-        places = {
-            "Article": rules.article.output.pdf,
-            "page": rules.page.output.page,
-            "tour": rules.notebook.output.ipynb,
-        }
-        print(
-            ", ".join(f"{name}: {file}" for name, file in places.items() if Path(file).exists())
-        )
 
 
 onerror:
     # A job that was killed leaves a temporary file. No other job of this run is alive.
     for folder in (RESULTS, STUDY_RESULTS):
         remove_unfinished(folder)
+    if MEASURED:
+        print(summarise(Path(MEASURED_FILES), {name: failure(name) for name in MEASURED}))
+        for file in rules.measured.output:  # the next run makes it anew
+            os.utime(file, (0, 0))
     logged = "".join(Path(file).read_text(encoding="utf-8") for file in log)
-    if any(f"records of {name}" in logged for name in MEASURED):
-        print(overview_with_failures())
     if "SIGKILL" in logged or "exit status 137" in logged:
         print(
             "A job was killed, usually because memory ran out: use fewer cores, or smaller chunks of a study."

@@ -71,6 +71,8 @@ def scripts_of_rules() -> list[tuple[str, str, str, str]]:
         for line in file.read_text(encoding="utf-8").splitlines():
             if (named := re.match(r"\s*rule (\w+):", line)) is not None:
                 rule, code = named[1], ""
+            elif (named := re.match(r'\s*f"(\w+?)_\{kind', line)) is not None:  # a rule for each
+                rule, code = named[1], ""
             elif (rooms := re.match(r"\s*code=(.+),", line)) is not None:
                 code = rooms[1]
             elif (script := re.match(r'\s*"\.\./scripts/(.+)"', line)) is not None:

@@ -5,4 +5,5 @@ from pathlib import Path
 from dampbalance.identification.table_of_sets import summarise
 
 if __name__ == "__main__":
-    summarise(Path(snakemake.output.csv).parent, dict.fromkeys(snakemake.params.sets, ""))
+    folder = Path(snakemake.output.csv).parent
+    print(summarise(folder, dict.fromkeys(snakemake.params.sets, "")))
