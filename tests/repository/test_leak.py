@@ -24,7 +24,6 @@ ALLOWED = (
     "src/dampbalance/publishing/article/derived_numbers.py",
     "workflow/scripts/article/article_numbers.py",
     "workflow/rules/claims.smk",
-    "workflow/functions/claims.smk",
     "workflow/scripts/claims/claims.py",
     "workflow/scripts/claims/check.py",
     "config/config.yaml",

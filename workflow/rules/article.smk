@@ -2,24 +2,11 @@
 # the result files itself. It exists where there are printed numbers to compare with.
 
 ARTICLE = f"{RESULTS}/article"
-ARTICLE_STUDIES = [
-    *("frequency", "level", "contact_stiffness", "damping"),
-    *("read_out", "step_size", "rigid_contact", "map"),
-]
-ARTICLE_PACKAGES = [
-    "dampbalance",
-    "numpy",
-    "scipy",
-    "numba",
-    "pandas",
-    "matplotlib",
-    "snakemake",
-    "typst",
-]
-ARTICLE_FIGURES = {
-    name: f"{RESULTS}/figures/{name}.svg"
-    for name in ("figure1", "figure2", "figure3", "numerics", "glance", "estimation_error")
-}
+ARTICLE_STUDIES = (
+    "frequency level contact_stiffness damping read_out step_size rigid_contact map".split()
+)
+ARTICLE_PACKAGES = "dampbalance numpy scipy numba pandas matplotlib snakemake typst".split()
+ARTICLE_FIGURES = "figure1 figure2 figure3 numerics glance estimation_error".split()
 
 
 if config["published"]:
@@ -78,7 +65,7 @@ if config["published"]:
             texts=[project_file(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
             references=project_file("paper/article/references.yml"),
             sources=list(ARTICLE_SOURCES),
-            figures=list(ARTICLE_FIGURES.values()),
+            figures=expand(f"{RESULTS}/figures/{{name}}.svg", name=ARTICLE_FIGURES),
             study_figures=expand(
                 f"{STUDY_RESULTS}/{{study}}/figure.svg",
                 study=("frequency", "rigid_contact", "map"),

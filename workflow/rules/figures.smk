@@ -14,13 +14,11 @@ def figure_files(name, title):
     }
 
 
-MATCH_FILES = {}
-if config["published"]:
-    MATCH_FILES["match"] = report(
-        f"{RESULTS}/figures/match.svg",
-        category="Verdicts",
-        labels={"result": "The match at a glance"},
-    )
+MATCH = report(
+    f"{RESULTS}/figures/match.svg",
+    category="Verdicts",
+    labels={"result": "The match at a glance"},
+)
 
 
 rule figures:
@@ -34,7 +32,7 @@ rule figures:
         **figure_files("figure2", "Figure 2: friction force against velocity"),
         **figure_files("figure3", "Figure 3: acceleration against displacement and velocity"),
         **figure_files("estimation_error", "Error of each approach at each frequency"),
-        **MATCH_FILES,
+        **({"match": MATCH} if config["published"] else {}),
     priority: NEXT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m"),

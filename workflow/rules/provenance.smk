@@ -29,31 +29,26 @@ def jobs_behind_everything():
 
     Inputs leave out the code (it is among the sources), outputs what is temporary.
     """
-    waiting = list(rules.all.rule.expand_input({})[0])
-    seen, jobs = {MANIFEST}, {}
-    while waiting:
-        file = str(waiting.pop())
-        if file in seen or not file.startswith("results/"):
-            continue
-        seen.add(file)
-        producer = next((rule for rule in workflow.rules if rule.is_producer(file)), None)
-        if producer is None:
+    waiting, jobs = [*map(str, rules.all.rule.expand_input({})[0])], {}
+    for file in waiting:  # it grows
+        made_by = (rule for rule in workflow.rules if rule.is_producer(file))
+        producer = next(made_by, None) if file.startswith("results/") else None
+        if producer is None or file == MANIFEST:
             continue
         wildcards = producer.get_wildcards(file)
-        job = jobs.setdefault((producer.name, *sorted(wildcards.items())), {})
-        if job:
+        name = (producer.name, *sorted(wildcards.items()))
+        if name in jobs:
             continue
         needed = [str(f) for f in producer.expand_input(wildcards)[0]]
-        inputs = {own_name(file) for file in needed if file not in PACKAGE}
         outputs = [f.apply_wildcards(wildcards) for f in producer.output]
-        job |= {
+        kept = [own_name(str(f)) for f in outputs if not is_flagged(f, "temp")]
+        jobs[name] = {
             "rule": producer.name,
             "script": os.path.normpath(Path("workflow/rules") / producer.script),
-            "inputs": sorted(inputs),
-            "outputs": sorted(own_name(str(f)) for f in outputs if not is_flagged(f, "temp")),
+            "inputs": sorted({own_name(file) for file in needed if file not in PACKAGE}),
+            "outputs": sorted(kept),
         }
-        waiting.extend(needed)
-        waiting.extend(str(f) for f in outputs)
+        waiting += [*needed, *map(str, outputs)]
     return sorted((job for job in jobs.values() if job["outputs"]), key=lambda job: job["outputs"])
 
 
