@@ -52,11 +52,7 @@ if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
 
 if workflow.is_main_process:
     try:
-        check_case(
-            config,
-            project_file("src/dampbalance/project/schemas/config.schema.yaml"),
-            CONFIG_FILES,
-        )
+        check_case(config, CONFIG_FILES)
         if config["case"] == load_configfile(BASE_CONFIG)["case"]:
             require_own_case(OVERRIDING)
         for notice in check_feasible(Case.from_config(config), CONFIG_FILES):
