@@ -4,7 +4,7 @@ snakemake --cores all            everything, with a verdict on every printed num
 snakemake --cores all check      the comparison with the recorded verdicts
 snakemake --cores all --configfile config/measured.yaml     identification from measured records
 snakemake --cores all results/site     the site of documentation, with all studies
-snakemake --cores all tables     one kind of result: orbits, records, features, estimates, tables, figures, claims
+snakemake --cores all tables     one kind of result: features, estimates, tables, figures, claims
 """
 
 import sys
@@ -31,8 +31,7 @@ configfile: relpath(ROOT / "config/config.yaml")
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/simulate.smk"
-include: "workflow/rules/features.smk"
+include: "workflow/rules/response.smk"
 include: "workflow/rules/estimates.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
@@ -47,10 +46,6 @@ include: "workflow/rules/provenance.smk"
 
 
 onsuccess:
-    # The log holds the messages of the rules that ran.
-    done = "".join(Path(file).read_text(encoding="utf-8") for file in log)
-    if fresh := [name for name in MEASURED if f"records of {name}" in done]:
-        show_tables(fresh)
     if config["published"] and compared_at() != COMPARED_BEFORE:
         summary = SUMMARY.read_text(encoding="utf-8")
         # The summary's first paragraph says how the verdicts fare; the rest is for a reader of the file.
@@ -58,23 +53,22 @@ onsuccess:
         if WORSE in summary:
             print(f"All of them: {SUMMARY}; why: {rules.claims.output.md}")
             sys.exit(1)
-        places = {
-            "Article": rules.article.output.pdf,
-            "page": rules.page.output.page,
-            "tour": rules.notebook.output.ipynb,
-        }
-        print(
-            ", ".join(f"{name}: {file}" for name, file in places.items() if Path(file).exists())
-        )
 
 
 onerror:
     # A job that was killed leaves a temporary file. No other job of this run is alive.
     for folder in (RESULTS, STUDY_RESULTS):
         remove_unfinished(folder)
+    if MEASURED:
+        script = runpy.run_path(f"{ROOT}/workflow/scripts/measured/measured.py")
+        print(
+            script["summarise"](
+                Path(MEASURED_FILES), {name: failure(name) for name in MEASURED}
+            )
+        )
+        for file in rules.measured.output:  # the next run makes it anew
+            os.utime(file, (0, 0))
     logged = "".join(Path(file).read_text(encoding="utf-8") for file in log)
-    if any(f"records of {name}" in logged for name in MEASURED):
-        print(overview_with_failures())
     if "SIGKILL" in logged or "exit status 137" in logged:
         print(
             "A job was killed, usually because memory ran out: use fewer cores, or smaller chunks of a study."
@@ -90,7 +84,7 @@ rule all:
     input:
         # Intermediate results are inputs as well: a job that fails removes its results, and Snakemake misses them only when
         # they are inputs here.
-        [*rules.orbits.input, *rules.records.input, *rules.features.input] if not MEASURED else [],
+        rules.features.input if not MEASURED else [],
         rules.estimates.input if not MEASURED else [],
         rules.tables.output if not MEASURED else [],
         rules.figures.output if not MEASURED else [],

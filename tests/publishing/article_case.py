@@ -29,6 +29,7 @@ from dampbalance.publishing.article import compiling
 from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.study_file import PAPER_CASE
+from folders import PUBLISHED
 from legible import faults
 from replication.routes import (
     CASE,
@@ -207,10 +208,11 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         "steps": cases[OF_ARTICLE.index("step_size")],
         "study_cases": cases,
         "study_files": files,
+        "rivals": [f"{PUBLISHED}/schemes.csv"],
         "citation": "CITATION.cff",
     }
     output = {name: f"{article}/{name}.json" for name in ("evidence", "studies", "environment")}
-    output |= {name: f"{article}/{name}.csv" for name in ("schemes", "cycles")}
+    output |= {"schemes": f"{article}/schemes.csv"}
     output |= {
         f"{n}_{kind}": f"{RESULTS}/figures/{n}.{kind}" for n in names for kind in ("svg", "png")
     }

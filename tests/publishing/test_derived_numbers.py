@@ -11,6 +11,7 @@ import pytest
 
 from dampbalance.features import Features
 from dampbalance.figures.numerics import Damping, Evidence, glance
+from dampbalance.project.files import read_csv
 from dampbalance.publishing.article.derived_numbers import (
     agreement_of_instants,
     at_a_glance,
@@ -22,10 +23,9 @@ from dampbalance.publishing.article.derived_numbers import (
 from dampbalance.replication.authors_route import (
     cycle_table,
     features_of,
-    scheme_table,
     simulate_levels,
-    trial_table,
 )
+from folders import PUBLISHED
 from replication.routes import CASE, PAPER, PRINT, approaches, as_published, exact
 
 STEP_US = 1e6 * CASE.numerics.step_s
@@ -145,7 +145,7 @@ def printed():
 
 @pytest.fixture(scope="module")
 def schemes():
-    return scheme_table(CASE, "omega1")
+    return read_csv(PUBLISHED / "schemes.csv")
 
 
 @pytest.mark.parametrize(
@@ -172,7 +172,7 @@ def test_W_fits_the_exact_solver_with_the_damping_put_in_by_hand(schemes, printe
 
 @pytest.fixture(scope="module")
 def trials():
-    return trial_table(CASE, "omega1")
+    return read_csv(PUBLISHED / "cycles.csv")
 
 
 def test_the_samples_of_a_tell_backward_euler(trials, printed):

@@ -22,7 +22,6 @@ from dampbalance.project.documents import read_yaml
 from dampbalance.publishing.page.instruments import slider_controls
 from dampbalance.replication.comparison import PHASES, RECIPES, WAYS_TO_COMPARE, approaches_table
 from dampbalance.solver import solve
-from folders import ROOT
 from processes import output_of
 from publishing.page_case import page_of
 from replication.routes import CASE, CONFIG, PAPER, exact
@@ -246,7 +245,7 @@ def checked(file, text):
     config = dict(CONFIG)
     for key, value in read_yaml(file).items():
         config[key] = {**config[key], **value} if isinstance(value, dict) else value
-    check_case(config, ROOT / "src/dampbalance/project/schemas/config.schema.yaml", [file])
+    check_case(config, [file])
     return config
 
 

@@ -65,12 +65,12 @@ def test_a_room_says_what_it_is_for(face):
 
 def scripts_of_rules() -> list[tuple[str, str, str, str]]:
     """(rule file, rule, the code that it names, its script) for every rule that has a script."""
-    found = []
+    found, named_rule = [], r'\s*(?:rule (\w+):|f"([a-z]+)_\{kind)'  # the latter for each kind
     for file in sorted((ROOT / "workflow/rules").glob("*.smk")):
         rule = code = ""
         for line in file.read_text(encoding="utf-8").splitlines():
-            if (named := re.match(r"\s*rule (\w+):", line)) is not None:
-                rule, code = named[1], ""
+            if (named := re.match(named_rule, line)) is not None:
+                rule, code = named[named.lastindex or 0], ""
             elif (rooms := re.match(r"\s*code=(.+),", line)) is not None:
                 code = rooms[1]
             elif (script := re.match(r'\s*"\.\./scripts/(.+)"', line)) is not None:

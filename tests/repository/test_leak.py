@@ -22,8 +22,8 @@ REFERENCE = re.compile(
 ALLOWED = (
     "src/dampbalance/replication/claims/",
     "src/dampbalance/publishing/article/derived_numbers.py",
+    "workflow/scripts/article/article_numbers.py",
     "workflow/rules/claims.smk",
-    "workflow/functions/claims.smk",
     "workflow/scripts/claims/claims.py",
     "workflow/scripts/claims/check.py",
     "config/config.yaml",

@@ -20,11 +20,16 @@ class Named(SimpleNamespace):
     def __getattr__(self, name: str) -> Any:
         return None
 
+    def get(self, name: str, default: Any = None) -> Any:
+        return vars(self).get(name, default)
+
 
 def run(script: str, **given: Any) -> None:
     """One job: `script` is a path below workflow/scripts; input, output, params are by name."""
     groups = {name: Named(**value) for name, value in given.items()}
-    snakemake = SimpleNamespace(**{"input": Named(), "output": Named(), "log": ()} | groups)
+    snakemake = SimpleNamespace(
+        **{"input": Named(), "output": Named(), "log": (), "threads": 1} | groups
+    )
     hook = sys.excepthook  # which a script replaces
     try:
         path = ROOT / "workflow/scripts" / script
@@ -44,18 +49,20 @@ def case_jobs(config: Mapping[str, Any], folder: Path) -> None:
     def files(pattern: str) -> list[Path]:
         return [folder / pattern.format(frequency) for frequency in frequencies]
 
-    orbits, records = files("orbits/{}.json"), files("records/{}.parquet")
-    run("simulate/simulate_exact.py", output={"orbits": orbits}, **given)
-    run("simulate/simulate_as_published.py", output={"records": records}, **given)
-    exact = {"features": files("features/exact/{}.csv")}
+    exact = {
+        "orbits": files("orbits/{}.json"),
+        "features": files("features/exact/{}.csv"),
+    }
     read = {
+        "records": files("records/as_published/{}.parquet"),
         "tabulated": files("features/as_published/{}.csv"),
         "two_point": files("features/as_published/two_point/{}.csv"),
         "unrounded": files("features/as_published/unrounded/{}.csv"),
     }
-    run("features/features_exact.py", input={"orbits": orbits}, output=exact, **given)
-    run("features/features_as_published.py", input={"records": records}, output=read, **given)
-    for route, features in zip(ROUTES, (exact, read), strict=True):
+    run("response/response_exact.py", output=exact, **given)
+    run("response/response_as_published.py", output=read, **given)
+    entering = {"features": read["tabulated"], "two_point": read["two_point"]}
+    for route, features in zip(ROUTES, (exact, entering), strict=True):
         output = {"estimates": files(f"estimates/{route}/{{}}.csv")}
-        run(f"estimates/estimate_{route}.py", input=features, output=output, **given)
+        run("estimates/estimate.py", input=features, output=output, **given)
     run("tables/tables.py", **given)

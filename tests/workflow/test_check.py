@@ -115,16 +115,3 @@ def test_a_digit_a_sign_and_a_parameter_that_change_fail_the_check_and_are_named
         "text.accuracy_omega2: printed degraded",  # a word may be worse off, too
     ):
         assert f"\n  {row}" in listed, row
-
-
-@pytest.mark.parametrize(
-    ("asked", "named"),
-    [
-        (["studies"], r"not built are the studies contact_stiffness, .*noise, "),
-        (["all", "--configfile", "tests/workflow/small.yaml"], r"results/small is not built"),
-    ],
-)
-def test_a_report_of_what_is_not_built_says_what_builds_it(paper, asked, named):
-    said = paper.refused("--report", "report.html", *asked)
-    assert re.search(named + r".*with --cores all in place of --report", said, re.DOTALL)
-    assert "Missing metadata" not in said

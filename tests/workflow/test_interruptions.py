@@ -96,7 +96,7 @@ def test_after_a_kill_the_same_command_suffices(copy, built):
 
 
 def test_ctrl_c_leaves_no_process_and_no_lock(copy):
-    with started(copy, *RUN, "records") as run:
+    with started(copy, *RUN, "features") as run:
         wait_for(lambda: jobs_in(copy))
         os.killpg(run.pid, signal.SIGINT)
         run.communicate(timeout=PATIENCE)
@@ -106,7 +106,7 @@ def test_ctrl_c_leaves_no_process_and_no_lock(copy):
 
 
 def test_a_job_killed_for_want_of_memory_is_told(copy):
-    with started(copy, *RUN, "records") as run:
+    with started(copy, *RUN, "features") as run:
         wait_for(lambda: jobs_in(copy))[0].kill()
         half_written = copy.folder / "results/small/records/.~above-abcdefgh.parquet"
         half_written.parent.mkdir(parents=True, exist_ok=True)
@@ -129,7 +129,7 @@ def mounting(copy):
 
 def test_a_full_disk(mounting):
     done = mounting(
-        f"mount -t tmpfs -o size=16k none results && {shlex.join(RUN)} records; find results -type f"
+        f"mount -t tmpfs -o size=16k none results && {shlex.join(RUN)} features; find results -type f"
     )
     assert "No space left on device" in done.stderr
     assert "results/small" not in done.stdout.rpartition("continues from there.")[2]

@@ -64,7 +64,7 @@ def test_an_edited_room_or_script_reruns_what_depends_on_it_and_no_more(built):
     later = time.time() + 2
     files = (
         "src/dampbalance/replication/rebuilt_tables.py",
-        "workflow/scripts/estimates/estimate_exact.py",
+        "workflow/scripts/estimates/estimate.py",
     )
     with ExitStack() as edited:
         for file in files:
@@ -73,8 +73,8 @@ def test_an_edited_room_or_script_reruns_what_depends_on_it_and_no_more(built):
             path.write_text(f"{path.read_text('utf-8')}\n# changed\n", encoding="utf-8")
             os.utime(path, (later, later))
         jobs = built.jobs(*SMALL)
-    assert {"simulate_as_published", "estimate_exact", "tables"} <= jobs.keys()
-    assert not {"simulate_exact", "features_exact"} & jobs.keys()
+    assert {"response_as_published", "estimate", "tables"} <= jobs.keys()
+    assert "response_exact" not in jobs
 
 
 WRONG = {

@@ -43,11 +43,11 @@ def test_the_manifest_states_results_jobs_configuration_sources_and_packages(bui
 
     jobs = {file: job for job in made["jobs"] for file in job["outputs"]}
     for file, rule, script in (
-        ("orbits/resonance.json", "simulate_exact", "simulate/simulate_exact"),
+        ("orbits/resonance.json", "response_exact", "response/response_exact"),
         (
             "features/as_published/resonance.csv",
-            "features_as_published",
-            "features/features_as_published",
+            "response_as_published",
+            "response/response_as_published",
         ),
         ("tables/table3.md", "tables", "tables/tables"),
         ("figures/figure2.png", "figures", "figures/figures"),

@@ -143,16 +143,11 @@ def test_a_wrong_study_is_refused_and_nothing_is_lost(studied):
     assert studied.files("studies") == before
 
 
-def test_a_study_that_is_not_there_is_named(studied):
-    said = studied.refused(target("frequenzy"))
-    assert "config/studies/frequenzy.yaml: there is no such study" in said
-
-
 def test_a_study_whose_name_snakemake_cannot_take_is_told(studied):
     path = studied.folder / f"config/studies/{'a' * 60}.yaml"
     with restored(path):
         write(studied, path.stem, GOOD)
-        said = studied.refused("--dry-run", target(path.stem))
+        said = studied.refused("--dry-run", "studies")
     assert "with nothing 20 times in a row at its end; rename the file" in said
     assert "PeriodicWildcardError" not in said
 

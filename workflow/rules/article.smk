@@ -2,24 +2,11 @@
 # the result files itself. It exists where there are printed numbers to compare with.
 
 ARTICLE = f"{RESULTS}/article"
-ARTICLE_STUDIES = [
-    *("frequency", "level", "contact_stiffness", "damping"),
-    *("read_out", "step_size", "rigid_contact", "map"),
-]
-ARTICLE_PACKAGES = [
-    "dampbalance",
-    "numpy",
-    "scipy",
-    "numba",
-    "pandas",
-    "matplotlib",
-    "snakemake",
-    "typst",
-]
-ARTICLE_FIGURES = {
-    name: f"{RESULTS}/figures/{name}.svg"
-    for name in ("figure1", "figure2", "figure3", "numerics", "glance", "estimation_error")
-}
+ARTICLE_STUDIES = (
+    "frequency level contact_stiffness damping read_out step_size rigid_contact map".split()
+)
+ARTICLE_PACKAGES = "dampbalance numpy scipy numba pandas matplotlib snakemake typst".split()
+ARTICLE_FIGURES = "figure1 figure2 figure3 numerics glance estimation_error".split()
 
 
 if config["published"]:
@@ -34,22 +21,22 @@ if config["published"]:
             exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
             as_published=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
-            study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
-            study_files=study_files(ARTICLE_STUDIES),
+            study_cases=expand(rules.study.output.cases, study=ARTICLE_STUDIES),
+            study_files=[*map(STUDY_FILES.get, ARTICLE_STUDIES)],
             study_texts=study_texts(ARTICLE_STUDIES),
+            rivals=[f"{PUBLISHED}/{name}.csv" for name in ("schemes", "cycles")],
             citation=project_file("CITATION.cff"),
             code=PACKAGE,
         output:
             **figure_files("numerics", "How the printed digits arose"),
             **figure_files("glance", "The findings at a glance"),
             schemes=f"{ARTICLE}/schemes.csv",
-            cycles=f"{ARTICLE}/cycles.csv",
             evidence=f"{ARTICLE}/evidence.json",
             studies=f"{ARTICLE}/studies.json",
             environment=f"{ARTICLE}/environment.json",
         priority: NEXT
         params:
-            papers=lambda wildcards: [*map(study_defaults, ARTICLE_STUDIES)],
+            papers=lambda wildcards: [STUDY_PLANS[name][2] for name in ARTICLE_STUDIES],
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
             frequency=FREQUENCIES[0],
             folder=lambda wildcards: RESULTS,
@@ -78,7 +65,7 @@ if config["published"]:
             texts=[project_file(file) for file in sorted((ROOT / "paper/article").rglob("*.typ"))],
             references=project_file("paper/article/references.yml"),
             sources=list(ARTICLE_SOURCES),
-            figures=list(ARTICLE_FIGURES.values()),
+            figures=expand(f"{RESULTS}/figures/{{name}}.svg", name=ARTICLE_FIGURES),
             study_figures=expand(
                 f"{STUDY_RESULTS}/{{study}}/figure.svg",
                 study=("frequency", "rigid_contact", "map"),

@@ -1,7 +1,60 @@
 # A verdict on every printed number, and the comparison with the verdicts on record.
 
+import time
 
-include: "../functions/claims.smk"
+PUBLISHED = project_file(config["published"]) if config["published"] else None
+SUMMARY = Path(RESULTS, "summary.txt")
+
+if PUBLISHED:  # slow to import
+    from dampbalance.replication.claims import print as printed
+    from dampbalance.replication.claims.rules import check_printed
+    from dampbalance.replication.claims.table import WORSE, read_record
+
+if PUBLISHED and workflow.is_main_process:
+    names, levels = printed.FREQUENCIES, printed.LEVELS
+    wrong = {
+        "is not a folder with printed numbers and verdicts.csv": (
+            not Path(PUBLISHED, "verdicts.csv").is_file()
+        ),
+        f"has numbers for {levels} levels at {', '.join(names)}, in this order": (
+            (tuple(FREQUENCIES[: len(names)]), len(CASE.levels_m)) != (names, levels)
+        ),
+        "has t_s cut off: set as_published.tabulated.t_s_unit_s": (
+            CASE.numerics.tabulated.get("t_s_unit_s") is None
+        ),
+    }
+    where = (
+        f"{CONFIG_FILES[-1] if CONFIG_FILES else 'configuration'}: published: {config['published']}"
+    )
+    for text, is_so in wrong.items():
+        if is_so:
+            raise WorkflowError(
+                f"{where} {text}; use null for a case of your own, with nothing printed to compare with."
+            )
+    try:
+        check_printed(printed.read_published(Path(PUBLISHED)))
+        read_record(Path(PUBLISHED, "verdicts.csv"))
+    except ValueError as error:
+        raise WorkflowError(f"{where}/{error}.") from None
+
+
+def published_files(wildcards):
+    """Return the files of printed numbers, without the verdicts on record, which only the check reads."""
+    return [f"{PUBLISHED}/printed.csv"]
+
+
+def compared_at():
+    """Return the time of the last comparison of verdicts, ns; None if there was none."""
+    return SUMMARY.stat().st_mtime_ns if SUMMARY.is_file() else None
+
+
+COMPARED_BEFORE = compared_at()
+
+
+def rerun_while_worse(wildcards):
+    """Return None if the last comparison passed; otherwise the time, so that `check` runs again."""
+    worse = SUMMARY.is_file() and WORSE in SUMMARY.read_text(encoding="utf-8")
+    return time.time_ns() if worse else None
 
 
 rule claims:

@@ -52,11 +52,7 @@ if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
 
 if workflow.is_main_process:
     try:
-        check_case(
-            config,
-            project_file("src/dampbalance/project/schemas/config.schema.yaml"),
-            CONFIG_FILES,
-        )
+        check_case(config, CONFIG_FILES)
         if config["case"] == load_configfile(BASE_CONFIG)["case"]:
             require_own_case(OVERRIDING)
         for notice in check_feasible(Case.from_config(config), CONFIG_FILES):
@@ -67,12 +63,6 @@ if workflow.is_main_process:
 CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
-# Snakemake's report names one file that is not built, and not how to build it.
-REPORT = any(argument.partition("=")[0] == "--report" for argument in sys.argv)
-if REPORT and not Path(RESULTS).is_dir():
-    raise WorkflowError(
-        f"--report: {RESULTS} is not built. Build it first, with --cores all in place of --report."
-    )
 FIRST = 10  # priority of jobs for the paper's tables and verdicts: these are seen before the studies are computed
 NEXT = 5  # priority of studies and inputs of article and page: jobs that nothing waits for fill the gaps
 

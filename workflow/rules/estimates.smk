@@ -1,40 +1,26 @@
-# F_k and c by every approach, pair by pair and by least squares. One job estimates at all frequencies of a route.
+# F_k and c by every approach, pair by pair and by least squares, from the features of a route.
 
 
-rule estimate_exact:
+rule estimate:
     input:
-        features=rules.features_exact.output.features,
-        code=rooms(),
-    output:
-        estimates=expand(f"{RESULTS}/estimates/exact/{{frequency}}.csv", frequency=FREQUENCIES),
-    priority: FIRST
-    params:
-        case=of_case("oscillator", "pairs"),
-    message:
-        "Estimates from the exact features"
-    script:
-        "../scripts/estimates/estimate_exact.py"
-
-
-rule estimate_as_published:
-    input:
-        tabulated=rules.features_as_published.output.tabulated,
-        two_point=rules.features_as_published.output.two_point,
+        features=at_each_frequency("features/{{route}}/{frequency}.csv"),
+        two_point=lambda wildcards: (
+            rules.response_as_published.output.two_point
+            if wildcards.route == "as_published"
+            else []
+        ),
         code=rooms("replication"),
     output:
-        estimates=expand(
-            f"{RESULTS}/estimates/as_published/{{frequency}}.csv", frequency=FREQUENCIES
-        ),
+        estimates=at_each_frequency("estimates/{{route}}/{frequency}.csv"),
     priority: FIRST
     params:
         case=of_case("oscillator", "pairs"),
     message:
-        "Estimates from the as-published features"
+        "Estimates from the features of the route {wildcards.route}"
     script:
-        "../scripts/estimates/estimate_as_published.py"
+        "../scripts/estimates/estimate.py"
 
 
 rule estimates:
     input:
-        rules.estimate_exact.output.estimates,
-        rules.estimate_as_published.output.estimates,
+        of_routes("estimates"),

@@ -2,13 +2,29 @@
 # the picture of the match, which results/README.md shows (as paper/figures/match.svg). One job draws all of them.
 
 
-include: "../functions/figures.smk"
+def figure_files(name, title):
+    """Return the SVG and the PNG of a figure, <name>_svg and <name>_png. title : its name in the report."""
+    return {
+        f"{name}_svg": report(
+            f"{RESULTS}/figures/{name}.svg",
+            category="Figures",
+            labels={"result": title},
+        ),
+        f"{name}_png": f"{RESULTS}/figures/{name}.png",
+    }
+
+
+MATCH = report(
+    f"{RESULTS}/figures/match.svg",
+    category="Verdicts",
+    labels={"result": "The match at a glance"},
+)
 
 
 rule figures:
     input:
         orbits=f"{RESULTS}/orbits/{FREQUENCIES[0]}.json",
-        estimates=rules.estimate_exact.output.estimates,
+        estimates=at_each_frequency("estimates/exact/{frequency}.csv"),
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         code=PACKAGE,
     output:
@@ -16,7 +32,7 @@ rule figures:
         **figure_files("figure2", "Figure 2: friction force against velocity"),
         **figure_files("figure3", "Figure 3: acceleration against displacement and velocity"),
         **figure_files("estimation_error", "Error of each approach at each frequency"),
-        **MATCH_FILES,
+        **({"match": MATCH} if config["published"] else {}),
     priority: NEXT
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m"),

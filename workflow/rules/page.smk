@@ -2,29 +2,22 @@
 #
 # A case with nothing printed to compare with gets a page without verdicts and studies: snakemake page --configfile …
 
-PAGE_STUDIES = [
-    *("frequency", "level", "damping", "contact_stiffness"),
-    *("rigid_contact", "read_out", "step_size"),
-]
-PAGE_STUDIES = PAGE_STUDIES if config["published"] else []
-PAGE_FIGURES = {
-    name: f"{RESULTS}/figures/{name}.svg"
-    for name in [
-        "figure3",
-        "estimation_error",
-        *(["glance", "numerics"] if config["published"] else []),
-    ]
-}
+PAGE_STUDIES = "frequency level damping contact_stiffness rigid_contact read_out step_size".split()
+PAGE_FIGURES = ["figure3", "estimation_error"]
+if config["published"]:
+    PAGE_FIGURES += ["glance", "numerics"]
+else:
+    PAGE_STUDIES = []
 
 
 rule page:
     input:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         tables=rules.tables.output.csv,
-        figures=list(PAGE_FIGURES.values()),
+        figures=expand(f"{RESULTS}/figures/{{name}}.svg", name=PAGE_FIGURES),
         evidence=rules.article_numbers.output.evidence if config["published"] else [],
         shown=rules.article_numbers.output.studies if config["published"] else [],
-        study_files=study_files(PAGE_STUDIES),
+        study_files=[*map(STUDY_FILES.get, PAGE_STUDIES)],
         study_figures=expand(f"{STUDY_RESULTS}/{{study}}/figure.svg", study=PAGE_STUDIES),
         code=PACKAGE,
     output:
@@ -34,10 +27,10 @@ rule page:
             labels={"result": "The page of the case"},
         ),
     params:
-        papers=lambda wildcards: [*map(study_defaults, PAGE_STUDIES)],
+        papers=lambda wildcards: [STUDY_PLANS[name][2] for name in PAGE_STUDIES],
         config=config,
         study_folder=lambda wildcards: STUDY_RESULTS,
-        figures=list(PAGE_FIGURES),
+        figures=PAGE_FIGURES,
         folder=lambda wildcards: RESULTS,
         page=lambda wildcards: f"{RESULTS}/report.html",
     message:

@@ -20,7 +20,7 @@ if config["published"] and Path.cwd() == ROOT and CASE.name == "paper":
     rule site:
         input:
             sources=files_of(ROOT, SITE_SOURCES),
-            studies=expand(rules.study_summary.output, study=STUDIES),  # and so their figures
+            studies=expand(rules.study.output.md, study=STUDY_FILES),  # and so their figures
             paper=[rules.page.output.page, rules.article.output.pdf, rules.notebook.output.ipynb],
         output:
             site=directory("results/site"),

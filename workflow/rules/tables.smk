@@ -1,8 +1,29 @@
 # The paper's tables: printed, as published and exact side by side; the other frequencies get tables of their own. And one that
 # the paper lacks: the error of every approach at every frequency.
 
+TABLES = ["table1", "table2", "table3", "statistics"]
 
-include: "../functions/tables.smk"
+
+def table_files(extension):
+    """Return the tables: table1.csv … at the first frequency, table1_<frequency>.csv … at the others; approaches.csv."""
+    names = [f"{name}{CASE.suffix(hz)}" for hz in FREQUENCIES for name in TABLES]
+    return [f"{RESULTS}/tables/{name}.{extension}" for name in [*names, "approaches"]]
+
+
+def reported_table(file):
+    """Return a table with its name in the report."""
+
+    def title(wildcards):
+        # Needed for a report only.
+        from dampbalance.project.wording import plain_text
+        from dampbalance.replication.rebuilt_tables import TITLES
+
+        name, _, frequency = Path(file).stem.partition("_")
+        hz = CASE.frequencies_hz[frequency or FREQUENCIES[0]]
+        where = "" if name == "approaches" else f", at {hz:g} Hz"
+        return {"result": plain_text(TITLES[name]) + where}
+
+    return report(file, category="Tables", labels=title)
 
 
 rule tables:

@@ -21,6 +21,7 @@ from .documents import (
 )
 
 NOT_GIVEN: Any = None
+SCHEMA = Path(__file__).with_name("schemas") / "config.schema.yaml"
 
 # folders of results that no other case can have
 _FOLDERS_IN_USE = ("paper", "studies", "archive", "benchmarks", "site")
@@ -122,11 +123,7 @@ _CASE_FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 }
 
 
-def check_case(
-    config: Mapping[str, Any],
-    schema_file: str | Path,
-    files: Iterable[str | Path],
-) -> None:
+def check_case(config: Mapping[str, Any], files: Iterable[str | Path]) -> None:
     """Check a configuration against its schema and for sense.
 
     files : the YAML files it was merged from, the last one winning; they serve to say where a key stands.
@@ -134,7 +131,7 @@ def check_case(
     Raises ConfigurationError listing every problem, a line each.
     """
     documents = documents_of(files)
-    problems = against_schema(config, read_schema(schema_file))
+    problems = against_schema(config, read_schema(SCHEMA))
     problems = problems or list(_contradictions(config))
     if problems:
         raise ConfigurationError(in_lines(problems, documents))

@@ -7,7 +7,7 @@ they are known. It knows nothing of the oscillator: `clean.py` reads features of
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -82,21 +82,6 @@ class Record:
         return pd.DataFrame(
             {RECORD_COLUMNS[name]: signal for name, signal in self.signals().items()}
         )
-
-    @classmethod
-    def from_frame(cls, frame: pd.DataFrame) -> Self:
-        """Return the record that `to_frame` described. Raises ValueError naming a column that is missing or not
-        known."""
-        known = list(RECORD_COLUMNS.values())
-        if unknown := [str(name) for name in frame.columns if name not in known]:
-            raise ValueError(f"unknown record columns {unknown}; known are {known}")
-        needed = (RECORD_COLUMNS[name] for name in ("t", "y", "x"))
-        if missing := [column for column in needed if column not in frame.columns]:
-            raise ValueError(f"a record needs the columns {missing}, found {list(frame.columns)}")
-        signals: Any = {
-            name: frame[col] for name, col in RECORD_COLUMNS.items() if col in frame.columns
-        }
-        return cls(**signals)
 
 
 def _signal(name: str, values: ArrayLike) -> Array:

@@ -1,13 +1,13 @@
 """The numbers that no other result holds, and the article's own figures: how the printed digits arose, and the findings
 at a glance.
 
-Numbers: the integrals of Table 2 by every scheme and way of rounding, and a in each steady cycle, by rivals as well;
-what the article argues with; what the studies that it cites show; and the environment: packages, the Python that they
-need, and what CITATION.cff states of the software. Not the Python that ran, on which no result depends: the manifest
-names it.
+Numbers: the integrals of Table 2 by every scheme and way of rounding; what the article argues with; what the studies
+that it cites show; and the environment: packages, the Python that they need, and what CITATION.cff states of the
+software. Not the Python that ran, on which no result depends: the manifest names it.
 """
 
 from importlib.metadata import metadata, version
+from pathlib import Path
 
 import pandas as pd
 
@@ -23,21 +23,21 @@ from dampbalance.publishing.article.derived_numbers import (
     sampling_instants,
 )
 from dampbalance.publishing.provenance.manifest import software
-from dampbalance.replication.authors_route import scheme_table, trial_table
+from dampbalance.replication.claims.rivals import rivals
 from dampbalance.studies import reading_study
 from dampbalance.studies.parameters import parameter
 from dampbalance.studies.shown.paragraph import paragraph
 
 
-def evidence(inputs, output, folder, case):
+def evidence(inputs, folder, case, schemes, cycles):
     return derived_numbers(
         case,
         features=read_routes(folder, "features", case.frequencies_hz),
         estimates=read_routes(folder, "estimates", case.frequencies_hz),
         claims=read_csv(inputs.claims, dtype=str),
         approaches=read_csv(inputs.approaches),
-        schemes=read_csv(output.schemes),
-        cycles=read_csv(output.cycles),
+        schemes=schemes,
+        cycles=cycles,
         unrounded=read_csv(inputs.unrounded),
     )
 
@@ -58,15 +58,15 @@ def environment(packages, citation):
     }
 
 
-def figures(inputs, output, case):
+def figures(inputs, output, case, schemes, cycles):
     claims = read_csv(inputs.claims, dtype=str)
     seen = Evidence(
         claims=claims,
         exact=read_csv(inputs.exact),
         estimates=read_csv(inputs.as_published),
-        schemes=read_csv(output.schemes),
+        schemes=schemes,
         steps=pd.read_parquet(inputs.steps),
-        instants=sampling_instants(read_csv(output.cycles), claims),
+        instants=sampling_instants(cycles, claims),
     )
     unit = case.numerics.tabulated["t_s_unit_s"]
     figure = numerics(seen, case.oscillator, case.numerics.step_s, unit)
@@ -78,10 +78,10 @@ def figures(inputs, output, case):
 if __name__ == "__main__":
     i, o, p = snakemake.input, snakemake.output, snakemake.params
     case = Case.from_config(p.case)
-    write_csv(o.schemes, scheme_table(case, p.frequency))
-    write_csv(o.cycles, trial_table(case, p.frequency))
-    write_json(o.evidence, evidence(i, o, p.folder, case))
+    schemes, cycles = rivals(Path(i.rivals[0]).parent, case, p.frequency, read_csv(i.unrounded))
+    write_csv(o.schemes, schemes)
+    write_json(o.evidence, evidence(i, p.folder, case, schemes, cycles))
     studies = map(of_study, i.study_files, i.study_cases, p.papers)
     write_json(o.studies, dict(zip(p.studies, studies, strict=True)))
     write_json(o.environment, environment(p.packages, i.citation))
-    figures(i, o, case)
+    figures(i, o, case, schemes, cycles)

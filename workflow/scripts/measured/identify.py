@@ -13,3 +13,4 @@ if __name__ == "__main__":
         Path(snakemake.log[0]).write_text(str(error), encoding="utf-8")
         sys.exit(f"error: {error}")
     answer.save(p.folder, overwrite=True)
+    print(answer.text())

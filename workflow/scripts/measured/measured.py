@@ -43,4 +43,5 @@ def summarise(folder, errors):
 
 
 if __name__ == "__main__":
-    summarise(Path(snakemake.output.csv).parent, dict.fromkeys(snakemake.params.sets, ""))
+    folder = Path(snakemake.output.csv).parent
+    print(summarise(folder, dict.fromkeys(snakemake.params.sets, "")))

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import special, stats
+from scipy import special
 
 from ...arrays import Array, Integers
 from ...balance import TERMS
@@ -157,6 +157,8 @@ def share_interval(count: int, runs: int) -> tuple[float, float]:
     run."""
     if runs == 0:
         return math.nan, math.nan
+    from scipy import stats  # slow to import
+
     interval = stats.binomtest(count, runs).proportion_ci(method="wilson")
     return float(interval.low), float(interval.high)
 

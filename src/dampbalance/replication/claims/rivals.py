@@ -1,0 +1,37 @@
+"""The rivals of the as-published simulation, other schemes, roundings, steps and damping: recorded beside the print.
+
+To simulate them takes longer than all else of the paper's case. A nightly test simulates them again and compares;
+`trials/rivals.py` writes the records anew.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ...project.case import Case
+from ...project.files import read_csv
+from ..authors_route import scheme_table, trial_table
+
+FILES = "schemes.csv", "cycles.csv"
+_SAME = 1e-9  # relative; another processor changes a and W by up to 5e-14
+
+
+def rivals(
+    folder: Path, case: Case, frequency: str, rebuilt: pd.DataFrame
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Return `scheme_table` and `trial_table`: as recorded in a folder, or simulated where the records are of another
+    case.
+
+    rebuilt : unrounded features of the as-published simulation at this frequency, whose a and W tell the case, with c.
+    """
+    schemes, cycles = (read_csv(folder / name) for name in FILES)
+    own = cycles[(cycles["trial"] == "as_published") & (cycles["cycle"] == 0)]
+    columns = ["c_N_s_per_m", "a_m", "W_J"]
+    here = rebuilt.assign(c_N_s_per_m=case.oscillator.c)[columns].to_numpy()
+    recorded = own[columns].to_numpy()
+    if recorded.shape == here.shape and np.allclose(recorded, here, rtol=_SAME, atol=0.0):
+        return schemes, cycles
+    return scheme_table(case, frequency), trial_table(case, frequency)
