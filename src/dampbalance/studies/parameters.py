@@ -57,10 +57,12 @@ class Parameter:
         """Symbol and unit, for the axis of a figure."""
         return label_with_unit(self.name, self.unit) if self.symbol else self.name
 
-    def shown(self, value: float | str, digits: int = 4) -> str:
-        """Return a value with its unit, e.g. 4.92 Hz."""
-        text = value if isinstance(value, str) else f"{value:.{digits}g}"
-        return f"{text} {self.unit.removeprefix('1')}".rstrip()
+    def titled(self, value: float | str, digits: int = 4) -> str:
+        """Return a value for the title of a panel, f = 4.92 Hz; a word alone."""
+        if isinstance(value, str):
+            return value
+        text = f"{value:.{digits}g} {self.unit.removeprefix('1')}".rstrip()
+        return f"{self.name} = {text}" if self.symbol else f"{self.name}: {text}"
 
 
 def _decimals(feature: str, unit: str) -> Parameter:

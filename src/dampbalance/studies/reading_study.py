@@ -287,14 +287,6 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
         return
     if kind == "map" and x == y:
         yield ("figure", "y"), f"{y} is the axis x already; take another"
-    if kind == "steps":
-        if x != "step_s" or "scheme" not in study.axis_names:
-            text = "steps shows the error against step_s for each scheme: both must be axes"
-            yield ("figure", "x"), f"{text}, step_s as x"
-        if "parameters" not in study.columns:
-            yield ("columns",), "a figure of steps needs the columns of parameters"
-        if not study.fits_of({"approach": "direct"}):
-            yield ("figure",), "a figure of steps shows the approach direct: see estimation"
     yield from wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
@@ -341,13 +333,10 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     """Yield figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
     refused.
 
-    Steps of several schemes: the error of c against the step. Runs that differ by their
-    noise: statistics of their errors along the noise, or another axis. One axis: curves along it. More: a map over the
-    two with the most values, but where the others have few, curves along the longest with a panel for each value of the
-    next; all further axes are then at the middle of their values.
+    Runs that differ by their noise: statistics of their errors along the noise, or another axis. One axis: curves along
+    it. More: a map over the two with the most values, but where the others have few, curves along the longest with a
+    panel for each value of the next; all further axes are then at the middle of their values.
     """
-    if {"scheme", "step_s"} <= set(study.axis_names):
-        yield {"kind": "steps", "x": "step_s"}
     # paired axes vary together: one of them stands for all
     blocks = [[*block.axes][: None if isinstance(block, Sampled) else 1] for block in study.blocks]
     values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}

@@ -107,8 +107,8 @@ class StudyResult:
     def plot(self, figure: str | None = None, *, ax: Axes | None = None) -> Any:
         """Draw a figure of the errors, and return its axes: the one that a study's file without a figure gets.
 
-        figure : "curves" (errors along an axis), "map" (over two axes), "steps" (error of c against the step of
-        fixed-step schemes) or "scatter" (errors over many runs of noise); default, the one that suits the axes best.
+        figure : "curves" (errors along an axis), "map" (over two axes) or "scatter" (errors over many runs of noise);
+        default, the one that suits the axes best.
         ax : where to draw the first panel, which is returned; default, a new figure of pyplot, whose axes are returned
         as an array.
 
