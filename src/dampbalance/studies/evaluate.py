@@ -80,7 +80,7 @@ def responses_of(study: Study, start: int, stop: int, threads: int | None = None
 def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     study, values, si = cases.study, cases.values, cases.si
     responses, rules = _responses(cases, threads), _read_out_rules(values)
-    table: dict[str, Any] = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
+    table: dict[str, Any] = {name: si[key] for key, name in SI_COLUMNS.items()}
     table |= {name: si[key] for name, key in of_law(values).items()}
     table |= {"case": cases.numbers} | {name: values[name] for name in study.axis_names}
     table["regime"] = _regime_names(responses.features.regime)

@@ -22,7 +22,7 @@ from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, approach
 from ..law.terms import in_order
 from ..replication.clean import ReadAt
-from .parameters import PARAMETERS, synonyms
+from .parameters import OF_LAW, PARAMETERS, parameter, synonyms
 
 # --- axes --------------------------------------------------------------------------------------------
 
@@ -158,54 +158,44 @@ def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
 # --- routes ------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Route:
+class Route(NamedTuple):
     """A way to the responses of a case; what depends on the route is asked here.
 
     kind : its name in the file.
-    needs : parameters of the route; of each group one is needed.
-    optional : further parameters that it takes.
-    settings : other keys of the section `route` that it takes.
-    any_law : whether the oscillator may have further damping terms, and the balance too.
+    needs : parameters of the route; of each group one is needed.   optional : further parameters that it takes.
     cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
     """
 
     kind: str
     needs: tuple[tuple[str, ...], ...] = ()
     optional: tuple[str, ...] = ()
-    settings: tuple[str, ...] = ()
-    any_law: bool = False
     cycles: int = 4
     chunk_cases: int = 512
 
     @property
     def is_noisy(self) -> bool:
-        """Whether the records have noise, so that coefficients have standard errors and rows can be weighted; rules of
-        reading mean nothing then."""
-        return "seed" in self.settings
+        """Whether the records have noise, so that coefficients have standard errors and rows can be weighted."""
+        return self.kind == "measured"
+
+    def takes(self, name: str) -> bool:
+        """Return whether a parameter means something to the route: noise is the limit of reading, and only exact
+        responses are known under further damping."""
+        kind = parameter(name).kind
+        if kind == "numerics":
+            return name in self.optional or any(name in names for names in self.needs)
+        return not self.is_noisy if kind == "read_out" else name not in OF_LAW or self == EXACT
 
 
+EXACT = Route("exact", chunk_cases=524_288)
 STUDY_ROUTES = {
-    route.kind: route
-    for route in (
-        Route("exact", any_law=True, chunk_cases=524_288),
-        Route(
-            "fixed_step",
-            needs=(("scheme",), ("step_s", "steps_per_cycle")),
-            settings=("cycles", "reading"),
-            cycles=10,
-            chunk_cases=64,
-        ),
-        Route("sampled", needs=(("sampling_hz",),), settings=("cycles", "reading")),
-        Route(
-            "measured",
-            needs=(("sampling_hz",), ("noise",)),
-            optional=("run", "slip_range"),
-            settings=("cycles", "seed", "replicates"),
-            cycles=100,
-            chunk_cases=60,
-        ),
-    )
+    "exact": EXACT,
+    "fixed_step": Route(
+        "fixed_step", (("scheme",), ("step_s", "steps_per_cycle")), cycles=10, chunk_cases=64
+    ),
+    "sampled": Route("sampled", (("sampling_hz",),)),
+    "measured": Route(
+        "measured", (("sampling_hz",), ("noise",)), ("run", "slip_range"), 100, chunk_cases=60
+    ),
 }
 
 

@@ -257,7 +257,9 @@ def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
 
 def _marks(axes: Axes, study: Study, label: bool) -> None:
     """Mark the places on x that the study's figure names, above the frame."""
-    for name, value in study.figure.get("marks", {}).items():
+    low, high = axes.get_xlim()
+    marks: Mapping[str, float] = study.figure.get("marks", {})
+    for name, value in ((name, value) for name, value in marks.items() if low <= value <= high):
         axes.axvline(value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
         if label:
             text = f"${omega}$" if (omega := omega_of(name)) else in_figure(name)
