@@ -54,11 +54,11 @@ class Parameter:
         """Symbol and unit, for the axis of a figure."""
         return label_with_unit(self.name, self.unit) if self.symbol else self.name
 
-    def titled(self, value: float | str, digits: int = 4) -> str:
+    def titled(self, value: float | str) -> str:
         """Return a value for the title of a panel, f = 4.92 Hz; a word alone."""
         if isinstance(value, str):
             return value
-        text = f"{value:.{digits}g} {self.unit.removeprefix('1')}".rstrip()
+        text = f"{value:.4g} {self.unit.removeprefix('1')}".rstrip()
         return f"{self.name} = {text}" if self.symbol else f"{self.name}: {text}"
 
 

@@ -33,14 +33,7 @@ from ..project.wording import shortened
 from ..replication.fixed_step import MOST_STEPS
 from .cases import PART, case_columns
 from .parameters import PARAMETERS, in_si, mechanical, parameter, synonyms
-from .study_file import (
-    PAPER_CASE,
-    Listed,
-    Sampled,
-    Study,
-    is_value,
-    selected,
-)
+from .study_file import PAPER_CASE, Listed, Sampled, Study, is_value, selected
 
 STUDY_SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 

@@ -15,45 +15,17 @@ from matplotlib.ticker import NullFormatter
 
 from ...arrays import Array, Integers
 from ...balance import takes_phase
-from ...figures.grid import (
-    ROOM,
-    clear_labels,
-    decades_axis,
-    grid,
-    logarithmic_ticks,
-)
-from ...figures.looks import (
-    HARMONIC_LOOK,
-    Look,
-    bounded_label,
-    in_maths,
-    label_of,
-    look_of,
-)
-from ...figures.series import (
-    COMMON,
-    EXACT,
-    INDIVIDUAL,
-    SHARINGS,
-    decades,
-    is_logarithmic,
-)
-from ...figures.style import (
-    DASHED,
-    DOTTED,
-    FAINT,
-    PAPER_COLOUR,
-    note,
-    omega_of,
-    styled,
-)
+from ...figures.grid import ROOM, clear_labels, decades_axis, grid, logarithmic_ticks
+from ...figures.looks import HARMONIC_LOOK, Look, bounded_label, in_maths, label_of, look_of
+from ...figures.series import COMMON, EXACT, INDIVIDUAL, SHARINGS, decades, is_logarithmic
+from ...figures.style import DASHED, DOTTED, FAINT, PAPER_COLOUR, note, omega_of, styled
 from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
 from ..case_files import CasesLike, column_of, terms_of
 from ..parameters import parameter
 from ..study_file import Fit, Study, selected
 from .maps import error_map
-from .statistics import groups, spread_of, worst_errors
+from .statistics import spread_of, worst_errors
 
 MOST_DRAWN = 1e3  # %: a larger error is not drawn
 FEW = 24  # cases on a curve up to which each is marked
@@ -279,22 +251,21 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
     A row of panels per term, a column per value of another axis, a line per fit. Bars: the uncertainty
     from the number of runs, 1.96 standard errors of the size, and the 95 % interval of the coverage.
     """
-    name, by = study.figure["x"], study.figure.get("panels")
+    name = study.figure["x"]
     factor = 100.0 if name == "noise" else 1.0  # a part of the signal, in %
     lines, intervals = _lines(study), "intervals" in study.columns
-    kept = list(groups(cases, [name, *([by] if by else [])]))
-    values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
+    along, shown = column_of(cases, name), list(_panels(study, cases))
     symbols, low = terms_of(cases), _COVERAGE + _GAP if intervals else 0.0
-    panels = grid(len(symbols), len(values), height=low + _ERRORS)
+    panels = grid(len(symbols), len(shown), height=low + _ERRORS)
     for row, symbol in enumerate(symbols):
         drawn = []
-        for column, value in enumerate(values):
-            runs = [rows for where, rows in kept if not by or where[by] == value]
-            x = factor * np.array([w[name] for w, _ in kept if not by or w[by] == value])
+        for column, (title, _, those) in enumerate(shown):
+            places, first = np.unique(along[those], return_index=True)
+            x, runs = factor * places, np.split(those, first[1:])
             errors = panels.panel(row, column, low)
             below = [panels.panel(row, column, 0.0, _COVERAGE)] if intervals else []
             for axes, what in zip([errors, *below], ("errors", "coverage"), strict=False):
-                axes.set_label(f"{symbol} {value} {what}")
+                axes.set_label(f"{symbol} {title} {what}")
                 _axis_of_runs(axes, x)
                 axes.tick_params(labelbottom=False, labelleft=column == 0)
             axes.tick_params(labelbottom=row == len(symbols) - 1)
@@ -327,13 +298,13 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
                 panels.name_row(errors, f"95 % of errors of ${symbol}$ below (%)")
                 for axes in below:
                     panels.name_row(axes, "coverage (%)")
-            if row == 0 and by:
-                errors.set_title(parameter(by).titled(value, 6), pad=4.0)
+            if row == 0 and title:
+                errors.set_title(title, pad=4.0)
         sizes = [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
         for axes in drawn:
             decades_axis(axes, decades(sizes))
-    along = parameter(name)
-    panels.text_below(f"{along.meaning} (%)" if name == "noise" else along.label)
+    of_x = parameter(name)
+    panels.text_below(f"{of_x.meaning} (%)" if name == "noise" else of_x.label)
     handles = []
     for label, (_, style) in zip(lines, _line_styles(lines), strict=True):
         del style["elinewidth"]
