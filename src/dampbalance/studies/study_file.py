@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from pathlib import Path
@@ -199,13 +199,6 @@ STUDY_ROUTES = {
 }
 
 
-DEFAULT_COLUMNS = ("parameters", "errors")
-"""Columns of the table of cases if the file does not say."""
-
-REPLICATES = 200
-"""Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
-
-
 # --- fits --------------------------------------------------------------------------------------------
 
 COMPLIANT, RIGID = "compliant", "rigid"
@@ -223,6 +216,8 @@ CONTACT = "K_z"
 """Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
 
 _KEYS_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
+_KEYS_OF_ROUTE = ("cycles", "reading", "seed", "replicates")
+_KEYS_OF_STUDY = ("columns", "chunk_cases", "summary_by", "figure")
 
 
 @dataclass(frozen=True, slots=True)
@@ -300,13 +295,13 @@ class Study:
     fits: tuple[Fit, ...]
     route: Route
     cycles: int
-    reading: ReadAt
-    seed: int
-    replicates: int
-    columns: Sequence[str]
     chunk_cases: int
-    summary_by: Sequence[str]
-    figure: Mapping[str, Any]
+    reading: ReadAt = "interpolated"
+    seed: int = 0
+    replicates: int = 200  # of which a standard error is accurate to 5 %
+    columns: Sequence[str] = ("parameters", "errors")
+    summary_by: Sequence[str] = ()
+    figure: Mapping[str, Any] = field(default_factory=dict)
     text: Path | None = None
 
     @property
@@ -393,11 +388,9 @@ class Study:
         taken |= {other for key in fixed for other in synonyms(key)}
         fixed |= {key: value for key, value in paper["base"].items() if key not in taken}
         levels = document.get("levels_of_Y", document.get("levels_m", paper["levels_m"]))
-        # defaults where the file does not say
-        of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
-        of_route |= {"seed": 0, "replicates": REPLICATES}
-        of_study: dict[str, Any] = {"columns": DEFAULT_COLUMNS, "chunk_cases": way.chunk_cases}
-        of_study |= {"summary_by": (), "figure": {}}
+        stated: dict[str, Any] = {"cycles": way.cycles, "chunk_cases": way.chunk_cases}
+        for section, keys in ((route, _KEYS_OF_ROUTE), (document, _KEYS_OF_STUDY)):
+            stated |= {key: section[key] for key in keys if section.get(key)}
         return cls(
             name=name,
             title=document["title"],
@@ -409,8 +402,7 @@ class Study:
             fits=tuple(_fits(document.get("estimation", {}), way)),
             route=way,
             text=text,
-            **{key: route.get(key, usual) for key, usual in of_route.items()},
-            **{key: document.get(key) or usual for key, usual in of_study.items()},
+            **stated,
         )
 
 
