@@ -210,16 +210,20 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
 
 
 def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
-    groups = 1
-    for i, axis in enumerate(study.summary_by):
-        if block := study.block_of(axis):
-            groups *= block.count
-        else:
-            yield ("summary_by", i), f"{shortened(axis)} is not an axis of this study"
+    """Yield what is no axis where it must be one, groups that are too many, and what the figure cannot show."""
+    figure, phases = study.figure, study.figure.get("panels") == "phase"
+    parts = ("x", "y") if phases and figure["kind"] == "curves" else ("x", "y", "panels")
+    named: dict[KeyPath, str] = {("summary_by", i): axis for i, axis in enumerate(study.summary_by)}
+    named |= {("figure", part): figure[part] for part in parts if part in figure}
+    wrong = [key for key, name in named.items() if name not in study.axis_names]
+    yield from ((key, f"{shortened(named[key])} is not an axis of this study") for key in wrong)
+    if wrong:
+        return
+    groups = math.prod(block.count for block in map(study.block_of, study.summary_by) if block)
     if groups > MOST_GROUPS:
         text = f"{groups:,} groups are more than {MOST_GROUPS}; take axes of few values"
         yield ("summary_by",), text
-    if study.figure:
+    if figure:
         yield from _wrong_figure(study)
 
 
@@ -231,33 +235,22 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
     yield from ((("figure", part), text) for part, text in undrawn.items())
     if not study.fits_of(figure):
         yield ("figure",), "selects no fit of this study: see estimation"
-    if undrawn:
-        return
-    if figure.get("y") == x:
-        yield ("figure", "y"), f"{x} is the axis x already; take another"
+    if x in (figure.get("y"), panels):
+        yield ("figure", "y" if "y" in figure else "panels"), f"{x} is the axis x already"
     yield from wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
-    if panels == "phase" and kind == "curves":
-        if not any(fit.phase for fit in study.fits):
-            yield ("figure", "panels"), "no approach of this study takes a phase; leave it out"
-    elif panels and kind != "map":
-        if panels not in study.axis_names or panels == x:
-            text = f"{shortened(panels)} is not another axis of this study"
-            yield ("figure", "panels"), text
-        elif not 0 < len(study.values_of(panels)) <= MOST_PANELS:
-            text = (
-                f"{panels} must have {MOST_PANELS} listed values at most, a column of panels each"
-            )
-            yield ("figure", "panels"), text
+    if panels == "phase" and not any(fit.phase for fit in study.fits):
+        yield ("figure", "panels"), "no approach of this study takes a phase; leave it out"
+    elif panels not in (None, "phase") and not 0 < len(study.values_of(panels)) <= MOST_PANELS:
+        text = f"{panels} must have {MOST_PANELS} listed values at most, a column of panels each"
+        yield ("figure", "panels"), text
 
 
 def _not_drawn(study: Study, name: str) -> str:
     """Return why the figure cannot be drawn along an axis; nothing if it can."""
     kind = study.figure["kind"]
-    if name not in study.axis_names:
-        return f"{shortened(name)} is not an axis of this study"
     if parameter(name).is_word:
         return f"{name} has words as values: take an axis of numbers, and {name} for the panels"
     (low, high), values = study.extent(name), study.values_of(name)
