@@ -23,7 +23,7 @@ from dampbalance.replication.fixed_step import simulate
 from dampbalance.replication.read_out import ReadOut
 from dampbalance.solver import least_squares, pair
 from dampbalance.studies import case_files, cases, evaluate, reading_study
-from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, in_si
+from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, STUDY_SCHEMA, in_si
 from dampbalance.studies.shown import paragraph, summary
 from dampbalance.studies.shown.statistics import Sizes
 from dampbalance.studies.study_file import Listed, Range, Sampled, case_values, spread_values
@@ -31,7 +31,7 @@ from folders import ROOT
 from paper_case import PAPER, features_at
 from studies.documents import document
 
-SCHEMA = yaml.safe_load(reading_study.STUDY_SCHEMA.read_text(encoding="utf-8"))
+SCHEMA = yaml.safe_load(STUDY_SCHEMA.read_text(encoding="utf-8"))
 SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
 FIRST = "reversal__individual__least_squares"
 

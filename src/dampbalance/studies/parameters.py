@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -19,6 +20,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..law.terms import KNOWN_TERMS, Term
 from ..model import Oscillator
+from ..project.documents import read_schema
 from ..project.wording import label_with_unit
 
 ParameterKind = Literal["oscillator", "excitation", "numerics", "read_out"]
@@ -62,10 +64,6 @@ class Parameter:
         return f"{self.name} = {text}" if self.symbol else f"{self.name}: {text}"
 
 
-def _decimals(feature: str, unit: str) -> Parameter:
-    return Parameter("read_out", "1", f"decimals (of {unit}) kept of {feature}", whole=True)
-
-
 def in_tex(symbol: str) -> str:
     """Return the symbol of a term, or several, in TeX."""
     return symbol.replace("eta", r"\eta")
@@ -74,52 +72,15 @@ def in_tex(symbol: str) -> str:
 OF_LAW = {term.column: term for term in KNOWN_TERMS.values() if term not in TERMS}
 """Coefficients of further terms of the damping law, zero where they are not set: parameter → term."""
 
-_NOISE = "rms of the noise of each channel over that of its signal"
-_SLIP_RANGE = "longest over shortest deflection at which a part of the contact slips, r_max/r_min"
+STUDY_SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 
 PARAMETERS: dict[str, Parameter] = {
-    "m_kg": Parameter("oscillator", "kg", "mass m", "m"),
-    "c_N_s_per_m": Parameter("oscillator", "N s/m", "viscous damping c", "c"),
-    "k_N_per_m": Parameter("oscillator", "N/m", "stiffness k", "k"),
-    "K_z_N_per_m": Parameter("oscillator", "N/m", "contact stiffness K_z", "K_z"),
-    "F_k_N": Parameter("oscillator", "N", "friction force F_k", "F_k"),
-    **{
-        name: Parameter("oscillator", term.unit or "1", f"{term.words} {term}", in_tex(term))
-        for name, term in OF_LAW.items()
-    },
-    "frequency_hz": Parameter("excitation", "Hz", "drive frequency f = ω/2π", "f"),
-    "Y_m": Parameter("excitation", "m", "reference amplitude Y of the base", "Y"),
-    "omega_over_omega_n": Parameter(
-        "excitation", "1", "ω/ω_n, ω_n = √(k/m)", r"\omega/\omega_n", "frequency_hz"
-    ),
-    "zeta": Parameter("oscillator", "1", "damping ratio ζ = c/(2√(km))", r"\zeta", "c_N_s_per_m"),
-    "K_z_over_k": Parameter("oscillator", "1", "K_z/k", "K_z/k", "K_z_N_per_m"),
-    "F_k_over_kY": Parameter(
-        "oscillator", "1", "F_k/(kY), Y the reference amplitude", "F_k/kY", "F_k_N"
-    ),
-    "scheme": Parameter("numerics", "", "fixed-step scheme"),
-    "step_s": Parameter("numerics", "s", "step h of the scheme", "h"),
-    "steps_per_cycle": Parameter(
-        "numerics", "1", "steps of the scheme per period, T/h", "T/h", "step_s"
-    ),
-    "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s"),
-    "noise": Parameter("numerics", "1", _NOISE, r"\sigma"),
-    "run": Parameter("numerics", "1", "number of the run: only its noise differs", whole=True),
-    "slip_range": Parameter("numerics", "1", _SLIP_RANGE, r"r_{\max}/r_{\min}"),
-    "X_decimals": _decimals("X", "m"),
-    "X_n_decimals": _decimals("X_1, X_3 and X_5", "m"),
-    "X_s_decimals": _decimals("X_s", "m"),
-    "X_s_mark_m": Parameter(
-        "read_out", "m", "marks in which X + X_s is counted", "", "X_s_decimals"
-    ),
-    "V_s_decimals": _decimals("V_s", "m/s"),
-    "phi_decimals": _decimals("φ", "rad"),
-    "t_s_inset_s": Parameter("read_out", "s", "time by which t_s reads short"),
-    "t_s_unit_s": Parameter("read_out", "s", "unit to which t_s is cut"),
-    "common_phi_decimals": _decimals("the common φ", "rad"),
-    "common_t_s_decimals": _decimals("the common t_s", "s"),
+    name: Parameter(**row) for name, row in read_schema(STUDY_SCHEMA)["$defs"]["parameters"].items()
+} | {
+    name: Parameter("oscillator", term.unit or "1", f"{term.words} {term}", in_tex(term))
+    for name, term in OF_LAW.items()
 }
-"""Every name that an axis can have."""
+"""Every name that an axis can have, as the schema describes it, and the coefficients of the law."""
 
 MECHANICAL = [name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation")]
 """Those that make up the oscillator and its excitation."""

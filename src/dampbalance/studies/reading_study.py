@@ -32,10 +32,8 @@ from ..project.documents import (
 from ..project.wording import shortened
 from ..replication.fixed_step import MOST_STEPS
 from .cases import PART, case_columns
-from .parameters import PARAMETERS, in_si, mechanical, parameter, synonyms
+from .parameters import PARAMETERS, STUDY_SCHEMA, in_si, mechanical, parameter, synonyms
 from .study_file import PAPER_CASE, Listed, Sampled, Study, is_value, selected
-
-STUDY_SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""

@@ -188,7 +188,8 @@ def study(
     [[3.5, 1.0, 0.004, 0.003387], [3.5, 2.0, 0.006, 0.005411]]
     """
     from ..project.documents import ConfigurationError, in_lines, read_schema
-    from .reading_study import MOST_NUMBERS, STUDY_SCHEMA, problems
+    from .parameters import STUDY_SCHEMA
+    from .reading_study import MOST_NUMBERS, problems
 
     given = {
         **{"axes": axes, "base": base, "levels_m": levels_m, "levels_of_Y": levels_of_Y},
