@@ -234,7 +234,8 @@ def _wrong_figure(study: Study) -> Iterator[Problem]:
     if not study.fits_of(figure):
         yield ("figure",), "selects no fit of this study: see estimation"
     if x in (figure.get("y"), panels):
-        yield ("figure", "y" if "y" in figure else "panels"), f"{x} is the axis x already"
+        part = "y" if "y" in figure else "panels"
+        yield ("figure", part), f"{x} is the axis x already; take another"
     yield from wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
