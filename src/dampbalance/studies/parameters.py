@@ -32,6 +32,7 @@ class Parameter:
     the schema.
 
     stands_for : the parameter that it replaces.   symbol : for figures, in TeX.   whole : of whole numbers only.
+    default : the paper's value.
     """
 
     kind: ParameterKind
@@ -40,6 +41,7 @@ class Parameter:
     symbol: str = ""
     stands_for: str = ""
     whole: bool = False
+    default: float | None = None
 
     @property
     def is_word(self) -> bool:

@@ -21,8 +21,9 @@ import numpy as np
 from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, approach
 from ..law.terms import in_order
+from ..project.documents import read_schema
 from ..replication.clean import ReadAt
-from .parameters import OF_LAW, PARAMETERS, parameter, synonyms
+from .parameters import OF_LAW, PARAMETERS, STUDY_SCHEMA, parameter, synonyms
 
 # --- axes --------------------------------------------------------------------------------------------
 
@@ -159,18 +160,18 @@ def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
 
 
 class Route(NamedTuple):
-    """A way to the responses of a case; what depends on the route is asked here.
+    """A way to the responses of a case, as the schema of studies describes it; what depends on the route is asked here.
 
     kind : its name in the file.
     needs : parameters of the route; of each group one is needed.   optional : further parameters that it takes.
-    cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
+    cycles, chunk_cases : if the file does not say.
     """
 
     kind: str
-    needs: tuple[tuple[str, ...], ...] = ()
-    optional: tuple[str, ...] = ()
-    cycles: int = 4
-    chunk_cases: int = 512
+    chunk_cases: int
+    cycles: int = 0
+    needs: Sequence[Sequence[str]] = ()
+    optional: Sequence[str] = ()
 
     @property
     def is_noisy(self) -> bool:
@@ -183,19 +184,13 @@ class Route(NamedTuple):
         kind = parameter(name).kind
         if kind == "numerics":
             return name in self.optional or any(name in names for names in self.needs)
-        return not self.is_noisy if kind == "read_out" else name not in OF_LAW or self == EXACT
+        return (
+            not self.is_noisy if kind == "read_out" else name not in OF_LAW or self.kind == "exact"
+        )
 
 
-EXACT = Route("exact", chunk_cases=524_288)
 STUDY_ROUTES = {
-    "exact": EXACT,
-    "fixed_step": Route(
-        "fixed_step", (("scheme",), ("step_s", "steps_per_cycle")), cycles=10, chunk_cases=64
-    ),
-    "sampled": Route("sampled", (("sampling_hz",),)),
-    "measured": Route(
-        "measured", (("sampling_hz",), ("noise",)), ("run", "slip_range"), 100, chunk_cases=60
-    ),
+    kind: Route(kind, **of) for kind, of in read_schema(STUDY_SCHEMA)["$defs"]["routes"].items()
 }
 
 
@@ -407,16 +402,8 @@ class Study:
 
 
 PAPER_CASE: Mapping[str, Any] = {
-    "base": {
-        "m_kg": 2.42,
-        "c_N_s_per_m": 90.0,
-        "k_N_per_m": 2310.0,
-        "K_z_N_per_m": 208000.0,
-        "F_k_N": 1.28,
-        "frequency_hz": 4.92,
-        "Y_m": 0.004,
-    },
-    "levels_m": [0.004, 0.006, 0.008, 0.010, 0.012],
+    "base": {name: p.default for name, p in PARAMETERS.items() if p.default is not None},
+    "levels_m": read_schema(STUDY_SCHEMA)["properties"]["levels_m"]["default"],
 }
 """`paper_defaults` of the paper's case, where there is no configuration to read."""
 
