@@ -49,6 +49,8 @@ SCHEMES = {
         (PAIRED, ".at(zeta=0.1, K_z_over_k=50.0).signed", ""),
         (PAIRED, ".at(zeta=0.1, K_z_over_k=90.0)", "selects no case"),
         ({"axes": [{"sample": SAMPLE}]}, ".at(zeta=0.1)", "sampled: take the cases between two"),
+        ({"axes": [{"sample": SAMPLE}]}, ".between(zeta=[0.3, 0.4]).largest", "no case is left: a sampled axis"),
+        ({"axes": [{"sample": SAMPLE}]}, ".between(zeta=[0.3, 0.4]).within(0.01)", "no case is left: a sampled axis"),
         (SCHEMES, ".at(scheme='rk5')", "scheme: 'rk5' is not among its values: rk4"),
         (zeta(), ".deviation", "has no attribute 'deviation'"),
         (zeta(), ".__class__", "is unsafe"),

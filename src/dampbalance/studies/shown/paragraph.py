@@ -58,9 +58,10 @@ class ErrorsOfCases:
     def _kept(self) -> Integers:
         """The numbers of the cases that are left."""
         names = ("case", *self.spec.get("at", ()), *self.spec.get("between", ()))
-        return np.flatnonzero(
-            selected({name: column_of(self.cases, name) for name in names}, self.spec)
-        )
+        values = {name: column_of(self.cases, name) for name in names}
+        if not (kept := np.flatnonzero(selected(values, self.spec))).size:
+            raise ValueError("no case is left: a sampled axis has no value between these bounds")
+        return kept
 
     @property
     def _errors(self) -> Array:
