@@ -25,6 +25,8 @@ RUN = {"run": {"from": 0, "to": 9, "count": 10}}
 CURVES = {"kind": "curves", "x": "omega_over_omega_n"}
 MILLION = {"sample": SAMPLE | {"count": 10**6}}
 SCHEME = {"scheme": {"values": ["rk4"]}}
+SCHEMES = {"scheme": {"values": ["rk4", "backward-euler"]}}
+STEPS = {"step_s": {"values": [2e-5, 4e-5]}}
 
 
 @pytest.mark.parametrize(
@@ -46,7 +48,7 @@ SCHEME = {"scheme": {"values": ["rk4"]}}
             {"kind": "scatter", "x": "frequency_hz", "panels": "zeta"},
         ),
         (NOISY | {"axes": [RUN]}, {"kind": "curves", "x": "run"}),
-        (SIMULATED | {"axes": [SCHEME, {"step_s": {"values": [2e-5, 4e-5]}}]}, {"kind": "steps", "x": "step_s"}),
+        (SIMULATED | {"axes": [SCHEMES, STEPS]}, {"kind": "curves", "x": "step_s", "panels": "scheme"}),
         # not drawn: too many cases for curves; words only; nothing that varies; as the file wants it
         ({"axes": [MILLION]}, {}),
         ({"axes": [SCHEME], "route": {"kind": "fixed_step", "step_s": 1e-5}}, {}),

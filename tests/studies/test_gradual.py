@@ -84,7 +84,7 @@ def test_a_contact_that_yields_gradually_has_no_bound_of_one_slider(make):
 
 
 def test_other_routes_refuse_a_range(make):
-    with pytest.raises(ValueError, match="slip_range is not used by the route exact"):
+    with pytest.raises(ValueError, match="slip_range: is not used by the route exact"):
         make({"axes": [{"slip_range": {"values": [1, 10]}}]})
-    with pytest.raises(ValueError, match="from 1 to"):
+    with pytest.raises(ValueError, match="From 1 to"):
         make(SMALL | {"axes": [{"slip_range": {"values": [0.5, 10]}}]})

@@ -50,7 +50,13 @@ def of_sample(draw, study):
 
 
 def of_figure(draw, study):
-    keys = {"x": NAMES, "y": NAMES, "panels": NAMES, "kind": list(SOUND), "phase": ["fundamental"]}
+    keys = {
+        "x": NAMES,
+        "y": NAMES,
+        "panels": NAMES,
+        "kind": ["curves", "map", "scatter"],
+        "phase": ["fundamental"],
+    }
     keys |= {"fit": ["pairs", "pair_1_2", "pair_9_9"], "contact": ["rigid"], "within": [1e300]}
     keys |= {"marks": [{draw.choice([*TEXTS, 1, True, "omega1"]): draw.choice(PLACES)}]}
     key = draw.choice(list(keys))

@@ -257,8 +257,8 @@ def test_no_bound_where_it_would_mean_nothing(computed, make):
 
 def test_numbers_of_many_runs(computed, says):
     study, table, path = computed("noisy")
-    takes = ("spread.bias | signed", "spread.rms | percent", "spread.standard_error | percent")
-    takes += ("spread.coverage | percent", "p95 | percent", "spread.bias_error | percent")
+    takes = ("bias | signed", "rms | percent", "standard_error | percent")
+    takes += ("coverage | percent", "p95 | percent", "bias_error | percent")
     template = '{% set some = errors("F_k", "direct").at(frequency_hz=4.92, noise=0.01) %}'
     template += "; ".join(f"{{{{ some.{take} }}}}" for take in takes)
     cases = table[(table["frequency_hz"] == 4.92) & (table["noise"] == 0.01)]
@@ -270,8 +270,7 @@ def test_numbers_of_many_runs(computed, says):
     assert rms == percent(math.sqrt((errors**2).mean()))
     assert error == percent(math.sqrt((stated**2).mean()))
     assert coverage == percent(cases[f"F_k_covered__{DIRECT}"].mean())
-    # Counted in bins of 0.1 %: of three runs the largest.
-    assert float(p95.split()[0]) == pytest.approx(100.0 * errors.abs().max(), rel=0.01)
+    assert p95 == percent(errors.abs().max())  # of three runs the largest
 
 
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
@@ -316,11 +315,11 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
     figure = study_figure(study, path)
     axes = {axes.get_label(): axes for axes in figure.axes}
     places = itertools.product(("F_k", "c"), (4.92, 3.5), ("errors", "coverage"))
-    assert list(axes) == ["{} {} {}".format(*place) for place in places]
+    assert list(axes) == ["{} $f$ = {} Hz {}".format(*place) for place in places]
     fits = study.fits_of(study.figure)
     assert [fit.label for fit in fits] == [rigid, DIRECT, "fit__maximum_likelihood"]
     at = table[table["frequency_hz"] == 3.5].groupby("noise")
-    drawn = {what: axes[f"c 3.5 {what}"].containers for what in ("errors", "coverage")}
+    drawn = {what: axes[f"c $f$ = 3.5 Hz {what}"].containers for what in ("errors", "coverage")}
     for i, fit in enumerate(fits):
         sizes = at[f"c_relative_error__{fit.label}"].apply(lambda e: np.sort(np.abs(e))[28])
         points, _, (bars,) = drawn["errors"][i]
@@ -338,7 +337,7 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         assert ends == pytest.approx(100.0 * np.array(bounds))
         # neighbouring lines stand apart
         assert i == 0 or np.all(points.get_xdata() > drawn["coverage"][i - 1][0].get_xdata() * 1.05)
-    ticks = [line for line in axes["c 3.5 coverage"].lines if line.get_marker() == "|"]
+    ticks = [line for line in axes["c $f$ = 3.5 Hz coverage"].lines if line.get_marker() == "|"]
     assert [line.get_ydata().tolist() for line in ticks] == [[0.0], [], []]
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["$X_s$, rigid", "direct", "fit alone"]
@@ -349,8 +348,9 @@ def test_without_intervals_or_lines_the_figure_shows_the_errors_of_all_fits(comp
     _, _, path = computed("noisy")
     study = make(SMALL | {"columns": ["errors"]})
     axes = {axes.get_label(): axes for axes in study_figure(study, path).axes}
-    assert list(axes) == ["F_k 4.92 errors", "F_k 3.5 errors", "c 4.92 errors", "c 3.5 errors"]
+    places = itertools.product(("F_k", "c"), (4.92, 3.5))
+    assert list(axes) == ["{} $f$ = {} Hz errors".format(*place) for place in places]
     # three runs do not tell how far the largest of their errors may be off: no bars
-    for points, _, (bars,) in axes["c 3.5 errors"].containers:
+    for points, _, (bars,) in axes["c $f$ = 3.5 Hz errors"].containers:
         ends = np.array(bars.get_segments())[:, :, 1]
         assert ends == pytest.approx(np.column_stack([points.get_ydata()] * 2))

@@ -1,5 +1,5 @@
-"""Paragraphs of studies: their numbers, each about cases that exist, or a crossing that is interpolated; and templates
-that ask for what is not there."""
+"""Paragraphs of studies: their numbers, each about cases that exist; and templates that
+ask for what is not there."""
 
 from __future__ import annotations
 
@@ -46,12 +46,11 @@ SCHEMES = {
         (zeta(), ".at(m_kg=1.0)", "m_kg: not an axis of this study"),
         (zeta(), ".between(zeta=[0.5, 0.2])", "are not two bounds of zeta, the lower one first"),
         (zeta(), ".signed", "is the error of one case, and 9 are left"),
-        (zeta(), ".band('zeta', 0.01, around=0.45)", "0.45 is not among the 9 values"),
-        (zeta(also=[0.45]), ".band('zeta', 0.01, around=0.45)", ""),
-        (zeta(), ".band('m_kg', 0.01, around=1.0)", "m_kg is not an axis of this study whose values are listed"),
         (PAIRED, ".at(zeta=0.1, K_z_over_k=50.0).signed", ""),
         (PAIRED, ".at(zeta=0.1, K_z_over_k=90.0)", "selects no case"),
         ({"axes": [{"sample": SAMPLE}]}, ".at(zeta=0.1)", "sampled: take the cases between two"),
+        ({"axes": [{"sample": SAMPLE}]}, ".between(zeta=[0.3, 0.4]).largest", "no case is left: a sampled axis"),
+        ({"axes": [{"sample": SAMPLE}]}, ".between(zeta=[0.3, 0.4]).within(0.01)", "no case is left: a sampled axis"),
         (SCHEMES, ".at(scheme='rk5')", "scheme: 'rk5' is not among its values: rk4"),
         (zeta(), ".deviation", "has no attribute 'deviation'"),
         (zeta(), ".__class__", "is unsafe"),
@@ -79,7 +78,7 @@ def test_a_number_that_does_not_exist_is_refused_with_its_line(computed, says, s
         ("{{ errors('F_k', 'X_s', fit='pairs') }}", "selects no fit of this study"),
         ("{{ errors('c_3', 'direct') }}", "c_3 is not identified, or the oscillator has none: see estimation.terms"),
         ("{{ errors('F_k', phases='reversal') }}", "errors takes approach, contact, fit, phase, sharing, terms"),
-        ("{{ errors('F_k').spread }}", "spread refers to one fit, but direct__least_squares, X_s"),
+        ("{{ errors('F_k').p95 }}", "p95 refers to one fit, but direct__least_squares, X_s"),
         ("{{ 1 / 0 }}", "test.md.j2: line 1: division by zero"),
     ],
 )  # fmt: skip
@@ -128,47 +127,16 @@ def test_a_figure_of_curves_takes_the_cases_that_it_names(make, computed):
         make({"axes": axes, "figure": figure | {"at": {"K_z_over_k": 8.0}}})
 
 
-# --- crossings -------------------------------------------------------------------------------------
+# --- the shipped texts -----------------------------------------------------------------------------
 
 
-@pytest.fixture
-def crossing(computed, says):
-    """Makes a number of a study over zeta whose error of F_k by direct integration is a given function of it."""
-
-    def words(document, error, asked):
-        zetas = computed(document)[1]["zeta"].to_numpy(float)
-        wrong = {"F_k_relative_error__direct__least_squares": error(zetas)}
-        study, _, path = computed(document, **wrong)
-        return says(study, path, f"{{{{ errors('F_k', 'direct').{asked} }}}}")
-
-    return words
-
-
-@pytest.mark.parametrize(
-    ("error", "words"),
-    [
-        (lambda z: 0.05 * (z - 0.444), "0.244 to 0.644"),  # −1 % at 0.244, +1 % at 0.644
-        (lambda z: 0.01 + 0.05 * (0.333 - z), "0.333 to 0.733"),
-        (lambda z: 0.001 / z, "0.100 (where the axis begins) to 0.900 (where the axis ends)"),
-        (lambda z: np.where(z < 0.25, np.nan, 0.02 * z - 0.002), "0.300 (beyond it there are cases"),
-        (lambda z: 0.02 + z, "nowhere"),
-    ],
-)  # fmt: skip
-def test_the_ends_of_a_band_are_where_its_error_crosses_the_bound(crossing, error, words):
-    assert crossing(zeta(), error, "band('zeta', 0.01, around=0.5)").startswith(words)
-
-
-def test_the_lower_end_is_where_the_first_of_several_cases_crosses_the_bound(crossing):
-    axes = [*zeta()["axes"], {"K_z_over_k": {"values": [50.0, 90.0]}}]
-    slope = np.tile([50.0, 90.0], 9) / 90.0  # +1 % at ζ = 0.2943 and at 0.4543
-    lower = "start('zeta', 0.01, around=0.6)"
-    assert crossing({"axes": axes}, lambda z: 0.05 * slope * (0.6543 - z), lower) == "0.454"
-
-
-def error_of_F_k(hz, approach="X_s", levels=LEVELS, phase="reversal", rigid=False, **other):
+def error_of_F_k(
+    hz, approach="X_s", levels=LEVELS, phase="reversal", rigid=False, common=False, **other
+):
     """Relative error of F_k by least squares, from single orbits."""
     osc = replace(PAPER, **other)
     seen = features_at(hz, levels, osc).with_phase(phase)
+    seen = seen.with_common("phi", "t_s") if common else seen
     rows = APPROACHES[approach](seen.rigid() if rigid else seen, osc.k)
     return float(least_squares(rows)["F_k"]) / osc.F_k - 1.0
 
@@ -187,7 +155,7 @@ def shipped(computed):
 
 
 def test_numbers_are_in_an_order_that_does_not_differ_between_processes(shipped):
-    names = list(shipped("frequency"))
+    names = list(shipped("level"))
     assert len(names) >= 8  # by chance in order in one process of 40,000
     assert names == sorted(names)
 
@@ -246,3 +214,12 @@ def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped
 
     expected = number_text(brentq(excess, 5.0, 200.0, rtol=1e-6), 3)
     assert shipped("rigid_contact")[f"from_omega{number_of}"] == expected
+
+
+@pytest.mark.parametrize("sharing", ["common", "individual"])
+def test_the_band_of_the_harmonic_approach_ends_where_its_error_is_five_per_cent(shipped, sharing):
+    def excess(hz):
+        return abs(error_of_F_k(hz, common=sharing == "common")) - 0.05
+
+    ends = brentq(excess, 3.8, 4.6), brentq(excess, 5.2, 6.2)
+    assert shipped("frequency")[f"band_{sharing}"] == "{:.2f} to {:.2f}".format(*ends)

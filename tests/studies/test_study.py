@@ -113,9 +113,7 @@ def test_its_plot_draws_the_errors_in_axes_of_pyplot_or_given_ones():
         ValueError, match="no figure of the kind map suits a study over frequency_hz: leave"
     ):
         studied.plot("map")
-    with pytest.raises(
-        ValueError, match="figure must be one of curves, steps, map, scatter, got 'x'"
-    ):
+    with pytest.raises(ValueError, match="figure must be one of curves, map, scatter, got 'x'"):
         studied.plot("x")
     words = study({"scheme": ["rk4"]}, route={"kind": "fixed_step", "step_s": 1e-4})
     with pytest.raises(ValueError, match="no figure suits a study over scheme: vary a number"):

@@ -47,15 +47,6 @@ SPARE = (
 HARMONIC_LOOK = Look("#6A4C93", "p", "other", "#8e4fc0", "#cf9ff0", "circle")
 """One curve for all harmonic approaches, where they agree."""
 
-SCHEME_LOOKS = {
-    "backward-euler": ("backward Euler", LOOKS["X_s"]),
-    "explicit-euler": ("explicit Euler", LOOKS["V_s"]),
-    "semi-implicit-euler": ("semi-implicit Euler", SPARE[0]),
-    "trapezoidal": ("trapezoidal rule", LOOKS["fourier"]),
-    "rk4": ("Runge–Kutta 4", LOOKS["direct"]),
-}
-"""Name and look of each fixed-step scheme; no figure shows both schemes and approaches. Orange is for print."""
-
 
 def look_of(approach: str) -> Look:
     """Return the look of an approach: its own, or a spare one by its place among the approaches that have none."""

@@ -8,7 +8,6 @@ order of chunks.
 from __future__ import annotations
 
 import json
-import shutil
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -61,39 +60,36 @@ def write_parts(
 ) -> None:
     """Write the cases of a chunk that come in parts, a row group each; the file appears complete or not at all."""
     schema = _schema(study, version)
+
+    def array(values: Any, kind: pa.DataType) -> pa.Array:
+        if not pa.types.is_dictionary(kind):
+            return pa.array(values, kind)
+        codes, words = pd.factorize(values, sort=True)
+        coded = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
+        return pa.DictionaryArray.from_arrays(*coded)
+
+    columns = ([array(part[of.name].to_numpy(), of.type) for of in schema] for part in parts)
+    _write(path, (pa.Table.from_arrays(each, schema=schema) for each in columns), schema, study)
+
+
+def _write(path: str | Path, tables: Iterable[pa.Table], schema: pa.Schema, study: Study) -> None:
+    """Write tables as row groups of one file."""
     with (
         replacing(path) as temporary,
         pq.ParquetWriter(temporary, schema, **_packing(study)) as writer,
     ):
-        for frame in parts:
-            arrays = []
-            for field in schema:
-                values = frame[field.name].to_numpy()
-                if pa.types.is_dictionary(field.type):
-                    codes, words = pd.factorize(values, sort=True)
-                    coded = pa.array(codes, pa.int32()), pa.array(list(words), pa.string())
-                    arrays.append(pa.DictionaryArray.from_arrays(*coded))
-                else:
-                    arrays.append(pa.array(values, field.type))
-            table = pa.Table.from_arrays(arrays, schema=schema)
-            writer.write_table(table, row_group_size=max(len(frame), 1))
+        for table in tables:
+            writer.write_table(table, row_group_size=max(table.num_rows, 1))
 
 
 def join_chunks(path: str | Path, chunks: Sequence[str | Path], study: Study) -> None:
-    """Write the row groups of the chunks one after the other into one file, holding one in memory at a time.
-
-    A single chunk is copied.
-    """
-    with replacing(path) as temporary:
-        if len(chunks) == 1:
-            shutil.copyfile(chunks[0], temporary)
-            return
-        with pq.ParquetWriter(temporary, pq.read_schema(chunks[0]), **_packing(study)) as writer:
-            for chunk in chunks:
-                with pq.ParquetFile(chunk) as file:
-                    for group in range(file.num_row_groups):
-                        table = file.read_row_group(group)
-                        writer.write_table(table, row_group_size=max(table.num_rows, 1))
+    """Write the row groups of the chunks one after the other into one file, holding one in memory at a time."""
+    tables = (
+        file.read_row_group(group)
+        for file in map(pq.ParquetFile, chunks)
+        for group in range(file.num_row_groups)
+    )
+    _write(path, tables, pq.read_schema(chunks[0]), study)
 
 
 def write_manifest(path: str | Path, cases: str | Path, study: Study, version: str) -> None:

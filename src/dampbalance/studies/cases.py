@@ -120,7 +120,7 @@ def case_columns(study: Study) -> list[Column]:
     columns += map(_of_parameter, names)
     if "parameters" in study.columns:
         known = {*names} if study.levels_relative else {*names, "Y_m"}
-        columns += [Column(*column) for column in SI_COLUMNS.values() if column[0] not in known]
+        columns += [_of_parameter(name) for name in SI_COLUMNS.values() if name not in known]
         columns += map(_of_parameter, of_law(study.fixed))
     kinds = ", ".join(REGIME_NAMES.values())
     regimes = f"kind of response at each level, one word if all are alike: {kinds}"
@@ -140,6 +140,8 @@ def case_columns(study: Study) -> list[Column]:
 
 
 def _of_parameter(name: str) -> Column:
+    if name == SI_COLUMNS["omega"]:
+        return Column(name, "rad/s", "drive frequency ω")
     p = parameter(name)
     return Column(name, p.unit, p.meaning, words=p.is_word)
 

@@ -80,7 +80,7 @@ def responses_of(study: Study, start: int, stop: int, threads: int | None = None
 def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     study, values, si = cases.study, cases.values, cases.si
     responses, rules = _responses(cases, threads), _read_out_rules(values)
-    table: dict[str, Any] = {name: si[key] for key, (name, _, _) in SI_COLUMNS.items()}
+    table: dict[str, Any] = {name: si[key] for key, name in SI_COLUMNS.items()}
     table |= {name: si[key] for name, key in of_law(values).items()}
     table |= {"case": cases.numbers} | {name: values[name] for name in study.axis_names}
     table["regime"] = _regime_names(responses.features.regime)
@@ -201,12 +201,9 @@ def _read_out_rules(values: Mapping[str, Words]) -> list[tuple[Integers, ReadOut
 
 def _regime_names(words: Words) -> Words:
     """Return the regime of each case: one name if all levels are alike, else the names of all levels."""
-    codes, kinds = pd.factorize(words.ravel())
-    levels = codes.reshape(words.shape)
-    pattern = levels[0]
-    for level in levels[1:]:  # numbered anew at each level: digits of all levels would overflow
-        pattern, _ = pd.factorize(pattern * len(kinds) + level)
-    _, first, pattern = np.unique(pattern, return_index=True, return_inverse=True)
+    of_levels = pd.DataFrame(words.T)
+    pattern = of_levels.groupby([*of_levels], sort=False).ngroup().to_numpy()
+    _, first = np.unique(pattern, return_index=True)
     names = []
     for case in words[:, first].T:
         regimes = [REGIME_NAMES.get(word, NOT_READ) for word in case]

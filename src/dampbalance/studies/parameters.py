@@ -1,4 +1,4 @@
-"""The parameters that a study can vary: name, unit, bounds and meaning of each, and its quantity in SI.
+"""The parameters that a study can vary: name, unit and meaning of each, and its quantity in SI.
 
 Each of c, K_z, F_k and ω can be given by itself or by the dimensionless group that it is part of,
 
@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from ..arrays import Array
 from ..balance import TERMS
 from ..law.terms import KNOWN_TERMS, Term
 from ..model import Oscillator
+from ..project.documents import read_schema
 from ..project.wording import label_with_unit
 
 ParameterKind = Literal["oscillator", "excitation", "numerics", "read_out"]
@@ -26,10 +28,11 @@ ParameterKind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter that a study can set: its unit ("1" for a pure number, "" for a word), bounds and meaning.
+    """A parameter that a study can set: its unit ("1" for a pure number, "" for a word) and meaning; its bounds are in
+    the schema.
 
-    stands_for : the SI parameter that a dimensionless group replaces.   symbol : for figures, in TeX.
-    low, high : the smallest (apart from zero, if that is allowed) and the largest number that is accepted.
+    stands_for : the parameter that it replaces.   symbol : for figures, in TeX.   whole : of whole numbers only.
+    default : the paper's value.
     """
 
     kind: ParameterKind
@@ -37,10 +40,8 @@ class Parameter:
     meaning: str
     symbol: str = ""
     stands_for: str = ""
-    zero_allowed: bool = False
     whole: bool = False
-    low: float = 1e-12
-    high: float = 1e12
+    default: float | None = None
 
     @property
     def is_word(self) -> bool:
@@ -57,15 +58,12 @@ class Parameter:
         """Symbol and unit, for the axis of a figure."""
         return label_with_unit(self.name, self.unit) if self.symbol else self.name
 
-    def shown(self, value: float | str, digits: int = 4) -> str:
-        """Return a value with its unit, e.g. 4.92 Hz."""
-        text = value if isinstance(value, str) else f"{value:.{digits}g}"
-        return f"{text} {self.unit.removeprefix('1')}".rstrip()
-
-
-def _decimals(feature: str, unit: str) -> Parameter:
-    meaning = f"decimals (of {unit}) kept of {feature}"
-    return Parameter("read_out", "1", meaning, zero_allowed=True, whole=True, high=15)
+    def titled(self, value: float | str) -> str:
+        """Return a value for the title of a panel, f = 4.92 Hz; a word alone."""
+        if isinstance(value, str):
+            return value
+        text = f"{value:.4g} {self.unit.removeprefix('1')}".rstrip()
+        return f"{self.name} = {text}" if self.symbol else f"{self.name}: {text}"
 
 
 def in_tex(symbol: str) -> str:
@@ -73,57 +71,18 @@ def in_tex(symbol: str) -> str:
     return symbol.replace("eta", r"\eta")
 
 
-def _of_law(term: Term) -> Parameter:
-    return Parameter("oscillator", term.unit or "1", f"{term.words} {term}", in_tex(term), "", True)
-
-
 OF_LAW = {term.column: term for term in KNOWN_TERMS.values() if term not in TERMS}
 """Coefficients of further terms of the damping law, zero where they are not set: parameter → term."""
 
-_NOISE = "rms of the noise of each channel over that of its signal"
-_RUN = "number of the run: only its noise differs"
-_SLIP_RANGE = "longest over shortest deflection at which a part of the contact slips, r_max/r_min"
+STUDY_SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 
 PARAMETERS: dict[str, Parameter] = {
-    "m_kg": Parameter("oscillator", "kg", "mass m", "m"),
-    "c_N_s_per_m": Parameter("oscillator", "N s/m", "viscous damping c", "c", zero_allowed=True),
-    "k_N_per_m": Parameter("oscillator", "N/m", "stiffness k of the spring to the base", "k"),
-    "K_z_N_per_m": Parameter("oscillator", "N/m", "contact stiffness K_z", "K_z"),
-    "F_k_N": Parameter("oscillator", "N", "friction force F_k in slip", "F_k", zero_allowed=True),
-    **{name: _of_law(term) for name, term in OF_LAW.items()},
-    "frequency_hz": Parameter("excitation", "Hz", "drive frequency f = ω/2π", "f"),
-    "Y_m": Parameter("excitation", "m", "reference amplitude Y of the base", "Y"),
-    "omega_over_omega_n": Parameter(
-        "excitation", "1", "ω/ω_n, ω_n = √(k/m)", r"\omega/\omega_n", "frequency_hz"
-    ),
-    "zeta": Parameter(
-        "oscillator", "1", "damping ratio ζ = c/(2√(km))", r"\zeta", "c_N_s_per_m", True
-    ),
-    "K_z_over_k": Parameter("oscillator", "1", "K_z/k", "K_z/k", "K_z_N_per_m"),
-    "F_k_over_kY": Parameter(
-        "oscillator", "1", "F_k/(kY), Y the reference amplitude", "F_k/kY", "F_k_N", True
-    ),
-    "scheme": Parameter("numerics", "", "fixed-step scheme", "scheme"),
-    "step_s": Parameter("numerics", "s", "step h of the scheme", "h", high=1e3),
-    "steps_per_cycle": Parameter(
-        "numerics", "1", "steps of the scheme per period, T/h", "T/h", "step_s", low=1e-3, high=1e6
-    ),
-    "sampling_hz": Parameter("numerics", "Hz", "sampling frequency f_s", "f_s", low=1e-6, high=1e9),
-    "noise": Parameter("numerics", "1", _NOISE, r"\sigma", zero_allowed=True, high=100.0),
-    "run": Parameter("numerics", "1", _RUN, zero_allowed=True, whole=True),
-    "slip_range": Parameter("numerics", "1", _SLIP_RANGE, r"r_{\max}/r_{\min}", low=1.0, high=1e6),
-    "X_decimals": _decimals("X", "m"),
-    "X_n_decimals": _decimals("X_1, X_3 and X_5", "m"),
-    "X_s_decimals": _decimals("X_s", "m"),
-    "X_s_mark_m": Parameter("read_out", "m", "marks in which X + X_s is counted"),
-    "V_s_decimals": _decimals("V_s", "m/s"),
-    "phi_decimals": _decimals("φ", "rad"),
-    "t_s_inset_s": Parameter("read_out", "s", "time by which t_s reads short", zero_allowed=True),
-    "t_s_unit_s": Parameter("read_out", "s", "unit to which t_s is cut"),
-    "common_phi_decimals": _decimals("the common φ", "rad"),
-    "common_t_s_decimals": _decimals("the common t_s", "s"),
+    name: Parameter(**row) for name, row in read_schema(STUDY_SCHEMA)["$defs"]["parameters"].items()
+} | {
+    name: Parameter("oscillator", term.unit or "1", f"{term.words} {term}", in_tex(term))
+    for name, term in OF_LAW.items()
 }
-"""Every name that an axis can have."""
+"""Every name that an axis can have, as the schema describes it, and the coefficients of the law."""
 
 MECHANICAL = [name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation")]
 """Those that make up the oscillator and its excitation."""
@@ -151,22 +110,6 @@ def synonyms(name: str) -> list[str]:
     return [name, *(other for other in same if other != name)]
 
 
-def objection(name: str, value: Any) -> str | None:
-    """Say what is wrong with a value of a parameter, which by its schema is a number or one of some words; None for a
-    good one."""
-    p = parameter(name)
-    if p.is_word:
-        return None
-    if value < 0.0 or (value == 0.0 and not p.zero_allowed):
-        bound = "not negative" if p.zero_allowed else "positive"
-        return f"{value!r} is out of range: {p.meaning} must be finite and {bound}"
-    if value != 0.0 and not p.low <= value <= p.high:
-        return f"{value!r} is out of range: {p.meaning} is taken from {p.low:g} to {p.high:g}"
-    if p.whole and value != int(value):
-        return f"{value!r} is not a whole number, as {p.meaning} must be"
-    return None
-
-
 def in_si(given: Mapping[str, Array]) -> dict[str, Array]:
     """Return m, c, k, K_z, F_k, Y, omega, arrays (n,), of cases whose parameters have the names of PARAMETERS.
 
@@ -191,12 +134,12 @@ def oscillator_of(si: Mapping[str, Array], case: int) -> Oscillator:
 
 
 SI_COLUMNS = {
-    "m": ("m_kg", "kg", "mass m"),
-    "c": ("c_N_s_per_m", "N s/m", "viscous damping c"),
-    "k": ("k_N_per_m", "N/m", "stiffness k"),
-    "K_z": ("K_z_N_per_m", "N/m", "contact stiffness K_z"),
-    "F_k": ("F_k_N", "N", "friction force F_k"),
-    "Y": ("Y_m", "m", "reference amplitude Y"),
-    "omega": ("omega_rad_per_s", "rad/s", "drive frequency ω"),
+    "m": "m_kg",
+    "c": "c_N_s_per_m",
+    "k": "k_N_per_m",
+    "K_z": "K_z_N_per_m",
+    "F_k": "F_k_N",
+    "Y": "Y_m",
+    "omega": "omega_rad_per_s",
 }
-"""Column, unit and meaning of each SI parameter in the table of cases."""
+"""Column of each SI parameter in the table of cases."""

@@ -19,6 +19,7 @@ import numpy as np
 from ..balance import APPROACHES
 from ..law.law import Law
 from ..motion.orbit import MOST_EVENTS, RANGES
+from ..project import wording
 from ..project.documents import (
     ConfigurationError,
     KeyPath,
@@ -28,31 +29,17 @@ from ..project.documents import (
     read_schema,
     read_yaml,
 )
-from ..project.wording import listed, shortened
+from ..project.wording import shortened
 from ..replication.fixed_step import MOST_STEPS
 from .cases import PART, case_columns
-from .parameters import PARAMETERS, in_si, mechanical, objection, of_law, parameter, synonyms
-from .study_file import (
-    PAPER_CASE,
-    STUDY_ROUTES,
-    Listed,
-    Sampled,
-    Study,
-    is_value,
-    selected,
-    spread_values,
-)
-
-STUDY_SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
+from .parameters import PARAMETERS, STUDY_SCHEMA, in_si, mechanical, parameter, synonyms
+from .study_file import PAPER_CASE, Listed, Sampled, Study, is_value, selected
 
 MOST_POINTS = 50_000
 """Cases on the curves of a figure; more are drawn as a map."""
 
 MOST_PANELS, MOST_AXIS_PLACES, MOST_GROUPS = 8, 500, 1000
 """Columns of panels, listed values along an axis of a map or a scatter, groups in a summary."""
-
-FARTHEST_MARK = 100.0
-"""A mark may lie outside the axis, which is then drawn up to it, by this factor at most."""
 
 MOST_SAMPLES_READ = 1_000_000
 """Samples of a record that is read; the reader holds a few arrays as long."""
@@ -97,124 +84,83 @@ def problems(
     One kind after the other: what is wrong with the axes would make nonsense of what the figure refers to.
     """
     wrong = against_schema(document, schema, APPROACHES)
-    wrong = wrong or [*_wrong_axes(document["axes"]), *_wrong_values(document)]
-    for check in (_contradictions, _wrong_sizes, _wrong_references):
+    for check in (_wrong_axes, _contradictions, _wrong_sizes, _wrong_references):
         wrong = wrong or list(check(document, Study.of("", document, paper)))
     return wrong
 
 
-# --- axes and values ---------------------------------------------------------------------------------
+# --- axes, levels, route, estimation -----------------------------------------------------------------
 
 
-def _wrong_axes(axes: Sequence[Mapping[str, Any]]) -> Iterator[Problem]:
-    seen: set[str] = set()
-    for i, block in enumerate(axes):
+def _wrong_axes(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
+    """Yield ranges without extent, values that coincide or are not whole, and quantities that are set twice."""
+    seen: list[str] = []
+    for i, (over, block) in enumerate(zip(document["axes"], study.blocks, strict=True)):
         key: KeyPath = ("axes", i)
-        over, sizes, sample = block, {}, block.get("sample", {})
-        if sample:
-            over, key = sample["over"], (*key, "sample", "over")
+        if isinstance(block, Sampled):
+            over, key = over["sample"]["over"], (*key, "sample", "over")
         for name, spec in over.items():
-            yield from _wrong_axis((*key, name), name, spec)
-            sizes[name] = len(spec.get("values", ())) or spec.get("count")
-            if spec.get("also") and len(over) > 1:
-                text = "cannot be paired with another axis; list the values of both"
-                yield (*key, name, "also"), text
-            for other in seen.intersection(synonyms(name)):
+            values = study.values_of(name)
+            if "from" in spec and spec["from"] >= spec["to"]:
+                text = f"from must lie below to, got {spec['from']!r} and {spec['to']!r}"
+                yield (*key, name), text
+            elif len(set(values)) < len(values):
+                text = f"its ends are too close for {len(values):,} different values; take fewer"
+                yield (*key, name), text
+            elif parameter(name).whole and any(value != int(value) for value in values):
+                text = f"{parameter(name).meaning} must be whole numbers; list the values"
+                yield (*key, name), text
+            for other in (other for other in seen if other in synonyms(name)):
                 reason = "twice" if other == name else f"together with {other}, the same quantity"
                 yield ("axes", i), f"{name} is set {reason}; keep one"
-            seen.add(name)
+            seen.append(name)
+        sizes = {name: len(study.values_of(name)) for name in over}
         if len(set(sizes.values())) > 1:
             text = ", ".join(f"{name} has {size}" for name, size in sizes.items())
             yield key, f"paired axes need the same number of values: {text}"
-
-
-def _wrong_axis(key: KeyPath, name: str, spec: Mapping[str, Any]) -> Iterator[Problem]:
-    """Yield what is wrong with the values or the range of an axis."""
-    given = [(key, spec.get("values", [])), ((*key, "also"), spec.get("also", []))]
-    given += [((*key, end), [spec[end]]) for end in ("from", "to") if end in spec]
-    wrong = [
-        (where, text) for where, values in given for x in values if (text := objection(name, x))
-    ]
-    yield from wrong
-    if "from" not in spec:
-        return
-    low, high = spec["from"], spec["to"]
-    if low >= high:
-        yield key, f"from must lie below to, got {low!r} and {high!r}"
-    elif spec.get("spacing") == "log" and low <= 0.0:
-        yield (*key, "from"), "a logarithmic range begins above zero"
-    elif "count" in spec and not wrong:
-        values = spread_values({part: value for part, value in spec.items() if part != "also"})
-        if len(set(values)) < len(values):
-            text = f"its ends are too close for {len(values):,} different values; take fewer"
-            yield key, text
-        elif parameter(name).whole and any(value != int(value) for value in values):
-            yield key, f"{parameter(name).meaning} must be whole numbers; list the values"
-
-
-def _wrong_values(document: Mapping[str, Any]) -> Iterator[Problem]:
     for section in ("base", "route", "read_out"):
-        for name, value in document.get(section, {}).items():
-            if name in PARAMETERS and value is not None and (text := objection(name, value)):
-                yield (section, name), text
-    base = document.get("base", {})
-    for name in base:
-        for other in synonyms(name):
-            if other in base and other > name:
-                yield ("base", name), f"not together with {other}; keep one"
-
-
-# --- levels, route, estimation -----------------------------------------------------------------------
+        given = [name for name in document.get(section, {}) if name in PARAMETERS]
+        for name in given:
+            for other in (other for other in synonyms(name)[1:] if other in given and other > name):
+                yield (section, name), f"not together with {other}; keep one"
 
 
 def _contradictions(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """Yield what does not go together: levels, route, rules of reading, laws, fits, weights, terms of the balance."""
-    estimation = document.get("estimation", {})
+    """Yield what does not go together: levels, route, parameters, fits, terms of the balance."""
+    estimation, route, used = document.get("estimation", {}), study.route, study.parameters
     given = {*document.get("base", {}), *study.axis_names} & {"Y_m", "F_k_over_kY"}
     if given and not study.levels_relative:
         text = "with Y_m or F_k_over_kY give the levels as multiples of Y_m: levels_of_Y: [1, 2, 3]"
         yield ("levels_m" if "levels_m" in document else "axes",), text
-    yield from _wrong_route(document, study)
-    if {"X_s_mark_m", "X_s_decimals"} <= study.parameters:
-        yield ("read_out",), "X_s_mark_m and X_s_decimals both round X_s; keep one"
+    for names in route.needs:
+        if used.isdisjoint(names):
+            yield ("route",), f"{route.kind} needs {' or '.join(names)}, here or as an axis"
+    for name in sorted(used):
+        if not route.takes(name):
+            text = f"is not used by the route {route.kind}; leave it out, or take another route"
+            yield _place(document, study, name), text
     for i, fit in enumerate(estimation.get("fits", [])):
         if fit != "least_squares" and max(fit) > len(study.levels):
             yield ("estimation", "fits", i), f"there are only {len(study.levels)} levels"
-    if not study.route.any_law:
-        text = f"needs the route exact, not {study.route.kind}"
-        yield from ((("route",), f"{name} {text}") for name in of_law(study.parameters))
-        if "terms" in estimation:
-            yield ("estimation", "terms"), text
     for i, terms in enumerate(estimation.get("terms", [])):
-        key: KeyPath = ("estimation", "terms", i)
+        text = ""
         try:
             Law(tuple(terms)).require([1.0] * len(study.levels))  # a case has one frequency
         except ValueError as error:
-            yield key, str(error)
-            continue
-        if len(terms) > 2 and any(fit.levels for fit in study.fits):
+            text = str(error)
+        if not text and len(terms) > 2 and any(fit.levels for fit in study.fits):
             text = f"a pair of levels identifies two terms, not {len(terms)}: take fits: [least_squares]"
-            yield key, text
+        if text:
+            yield ("estimation", "terms", i), text
 
 
-def _wrong_route(document: Mapping[str, Any], study: Study) -> Iterator[Problem]:
-    """Yield what does not fit the route: parameters and settings that are missing, or that mean nothing to it."""
-    used, wanted, section = study.parameters, study.route, document.get("route", {})
-    unused = f"is not used by the route {wanted.kind}"
-    for names in wanted.needs:
-        if used.isdisjoint(names):
-            yield ("route",), f"{wanted.kind} needs {' or '.join(names)}, here or as an axis"
-        elif used.issuperset(names) and len(names) > 1:
-            yield ("route",), f"{' and '.join(names)} set the same quantity; keep one"
-    taken = {*wanted.optional, *(name for names in wanted.needs for name in names)}
-    for name in sorted(used):
-        if parameter(name).kind == "numerics" and name not in taken:
-            yield ("route",), f"{name} {unused}"
-        if parameter(name).kind == "read_out" and wanted.is_noisy:
-            yield ("read_out", name), f"{unused}: noise is its limit"
-    others = {key for each in STUDY_ROUTES.values() for key in each.settings} - {*wanted.settings}
-    for name in filter(others.__contains__, section):
-        yield ("route", name), f"{unused}; leave it out"
+def _place(document: Mapping[str, Any], study: Study, name: str) -> KeyPath:
+    """Return the key that sets a parameter, an axis before the other sections."""
+    axes: list[KeyPath] = [
+        ("axes", i, name) for i, of in enumerate(study.blocks) if name in of.axes
+    ]
+    sections = ("base", "route", "read_out")
+    return [*axes, *((of, name) for of in sections if name in document.get(of, {}))][0]
 
 
 # --- sizes -------------------------------------------------------------------------------------------
@@ -262,69 +208,48 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
 
 
 def _wrong_references(_: object, study: Study) -> Iterator[Problem]:
-    groups = 1
-    for i, axis in enumerate(study.summary_by):
-        if block := study.block_of(axis):
-            groups *= block.count
-        else:
-            yield ("summary_by", i), f"{shortened(axis)} is not an axis of this study"
+    """Yield what is no axis where it must be one, groups that are too many, and what the figure cannot show."""
+    figure, phases = study.figure, study.figure.get("panels") == "phase"
+    parts = ("x", "y") if phases and figure["kind"] == "curves" else ("x", "y", "panels")
+    named: dict[KeyPath, str] = {("summary_by", i): axis for i, axis in enumerate(study.summary_by)}
+    named |= {("figure", part): figure[part] for part in parts if part in figure}
+    wrong = [key for key, name in named.items() if name not in study.axis_names]
+    yield from ((key, f"{shortened(named[key])} is not an axis of this study") for key in wrong)
+    if wrong:
+        return
+    groups = math.prod(block.count for block in map(study.block_of, study.summary_by) if block)
     if groups > MOST_GROUPS:
         text = f"{groups:,} groups are more than {MOST_GROUPS}; take axes of few values"
         yield ("summary_by",), text
-    if study.figure:
+    if figure:
         yield from _wrong_figure(study)
 
 
 def _wrong_figure(study: Study) -> Iterator[Problem]:
     figure = study.figure
-    kind, x, y = figure["kind"], figure["x"], figure.get("y")
-    axes = {"x": x, "y": y} if kind == "map" else {"x": x}
+    kind, x, panels = figure["kind"], figure["x"], figure.get("panels")
+    axes = {part: figure[part] for part in ("x", "y") if part in figure}
     undrawn = {part: text for part, name in axes.items() if (text := _not_drawn(study, name))}
     yield from ((("figure", part), text) for part, text in undrawn.items())
     if not study.fits_of(figure):
         yield ("figure",), "selects no fit of this study: see estimation"
-    if undrawn:
-        return
-    if kind == "map" and x == y:
-        yield ("figure", "y"), f"{y} is the axis x already; take another"
-    if kind == "steps":
-        if x != "step_s" or "scheme" not in study.axis_names:
-            text = "steps shows the error against step_s for each scheme: both must be axes"
-            yield ("figure", "x"), f"{text}, step_s as x"
-        if "parameters" not in study.columns:
-            yield ("columns",), "a figure of steps needs the columns of parameters"
-        if not study.fits_of({"approach": "direct"}):
-            yield ("figure",), "a figure of steps shows the approach direct: see estimation"
+    if x in (figure.get("y"), panels):
+        part = "y" if "y" in figure else "panels"
+        yield ("figure", part), f"{x} is the axis x already; take another"
     yield from wrong_selection(study, ("figure",), {"at": figure.get("at", {})})
     if kind == "curves" and study.cases > MOST_POINTS:
         text = f"{study.cases:,} cases are more than curves can show, {MOST_POINTS:,}; take a map"
         yield ("figure", "kind"), text
-    if kind in ("curves", "scatter") and (name := figure.get("panels")):
-        if name == "phase" and kind == "curves":
-            if not any(fit.phase for fit in study.fits):
-                text = "no approach of this study takes a phase; leave it out"
-                yield ("figure", "panels"), text
-        elif name not in study.axis_names or name == x:
-            yield ("figure", "panels"), f"{shortened(name)} is not another axis of this study"
-        elif not 0 < len(study.values_of(name)) <= MOST_PANELS:
-            text = f"{name} must have {MOST_PANELS} listed values at most, a column of panels each"
-            yield ("figure", "panels"), text
-    low, high = study.extent(x)
-    lowest, highest = (
-        low / FARTHEST_MARK if low > 0.0 else FARTHEST_MARK * min(low, -high),
-        FARTHEST_MARK * max(high, -low),
-    )
-    for name, value in figure.get("marks", {}).items():
-        if not lowest <= value <= highest:
-            text = f"{value:g} is far from the axis x, from {low:g} to {high:g}"
-            yield ("figure", "marks", name), text
+    if panels == "phase" and not any(fit.phase for fit in study.fits):
+        yield ("figure", "panels"), "no approach of this study takes a phase; leave it out"
+    elif panels not in (None, "phase") and not 0 < len(study.values_of(panels)) <= MOST_PANELS:
+        text = f"{panels} must have {MOST_PANELS} listed values at most, a column of panels each"
+        yield ("figure", "panels"), text
 
 
 def _not_drawn(study: Study, name: str) -> str:
     """Return why the figure cannot be drawn along an axis; nothing if it can."""
     kind = study.figure["kind"]
-    if name not in study.axis_names:
-        return f"{shortened(name)} is not an axis of this study"
     if parameter(name).is_word:
         return f"{name} has words as values: take an axis of numbers, and {name} for the panels"
     (low, high), values = study.extent(name), study.values_of(name)
@@ -341,13 +266,10 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     """Yield figures that suit the axes of a study, the most telling first, as its file would ask for them; some may be
     refused.
 
-    Steps of several schemes: the error of c against the step. Runs that differ by their
-    noise: statistics of their errors along the noise, or another axis. One axis: curves along it. More: a map over the
-    two with the most values, but where the others have few, curves along the longest with a panel for each value of the
-    next; all further axes are then at the middle of their values.
+    Runs that differ by their noise: statistics of their errors along the noise, or another axis. One axis: curves along
+    it. More: a map over the two with the most values, but where the others have few, curves along the longest with a
+    panel for each value of the next; all further axes are then at the middle of their values.
     """
-    if {"scheme", "step_s"} <= set(study.axis_names):
-        yield {"kind": "steps", "x": "step_s"}
     # paired axes vary together: one of them stands for all
     blocks = [[*block.axes][: None if isinstance(block, Sampled) else 1] for block in study.blocks]
     values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}
@@ -373,18 +295,6 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
         yield curves
 
 
-def _selected(study: Study, spec: Mapping[str, Any]) -> int:
-    """Return how many cases the conditions on listed axes leave."""
-    cases = 1
-    for block in study.blocks:
-        points = block.count
-        if isinstance(block, Listed):
-            values = {name: np.asarray(listed) for name, listed in block.axes.items()}
-            points = int(np.count_nonzero(selected(values, spec)))
-        cases *= points
-    return cases
-
-
 def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iterator[Problem]:
     """Yield what is wrong with the cases that a figure or a number selects by values of axes, or by bounds."""
     wrong = [
@@ -394,11 +304,11 @@ def wrong_selection(study: Study, key: KeyPath, spec: Mapping[str, Any]) -> Iter
         if (text := _not_selected(study, name, wanted))
     ]
     yield from wrong
-    if not wrong and not _selected(study, spec):
-        text = (
-            "selects no case: paired axes vary together, and bounds must have a value between them"
-        )
-        yield key, text
+    axes = [block.axes for block in study.blocks if isinstance(block, Listed)]
+    listed = [{name: np.asarray(values) for name, values in of.items()} for of in axes]
+    if not wrong and not all(selected(values, spec).any() for values in listed):
+        text = "paired axes vary together, and bounds must have a value between them"
+        yield key, f"selects no case: {text}"
 
 
 def _not_selected(study: Study, name: str, wanted: Any) -> str:
@@ -421,7 +331,8 @@ def _not_selected(study: Study, name: str, wanted: Any) -> str:
     if is_value(places, wanted).any():
         return ""
     nearest = sorted(places[np.argsort(np.abs(places - wanted), kind="stable")[:2]])
-    are = f"{'is' if len(nearest) == 1 else 'are'} {listed([f'{x:.10g}' for x in nearest])}"
+    near = wording.listed([f"{x:.10g}" for x in nearest])
+    are = f"{'is' if len(nearest) == 1 else 'are'} {near}"
     return (
         f"{wanted!r} is not among the {len(values)} values of {name}, whose nearest {are}; take one of them, "
         f"or add it to the axis, in values or as a further value, also: [{wanted!r}]"

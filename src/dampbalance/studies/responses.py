@@ -166,26 +166,25 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
     """
     study = cases.study
     by_simpson = any(fit.approach == SIMPSON for fit in study.fits)
-    points, replicates, plain = [], [], []
+    seen, plain = [], []
     fitted = np.full((2, len(_OF_FIT), len(cases.numbers)), np.nan)
     for case, number in enumerate(cases.numbers.tolist()):
         osc = oscillator_of(cases.si, case)
         records = [_measured(cases, osc, case, level) for level in range(len(cases.Y))]
         random = np.random.default_rng([study.seed, number, len(cases.Y)])
         read = [record if isinstance(record, str) else record[0] for record in records]
-        point, replicate, whole = _with_one_oscillator(read, osc.k, study.replicates, random)
-        points.append(point)
-        replicates.append(replicate)
-        if whole is not None and (fit := whole.fit) is not None and not whole.linear:
+        features, joint = _with_one_oscillator(read, osc.k, study.replicates, random)
+        seen.append(features)
+        if joint is not None and (fit := joint.fit) is not None and not joint.linear:
             fitted[0, :, case] = [*map(fit.value, TERMS), fit.K_z]
             fitted[1, :, case] = [*map(fit.error, TERMS), fit.K_z_error]
         if by_simpson:
-            integrals = _by_simpson(records, osc.k, study.replicates, random)
-            pairs = zip((point, replicate), integrals, strict=True)
-            plain.append([seen.replaced(a=a, b=b, W=W) for seen, (a, b, W) in pairs])
+            a, b, W = _by_simpson(records, osc.k, study.replicates, random)
+            plain.append(features.replaced(a=a, b=b, W=W))
     values, errors = (dict(zip(_OF_FIT, numbers, strict=True)) for numbers in fitted)
-    simpson = tuple(side_by_side(parts) for parts in zip(*plain, strict=True))
-    return Responses(side_by_side(points), side_by_side(replicates), simpson, (values, errors))
+    whole, as_they_are = side_by_side(seen), side_by_side(plain) if plain else None
+    simpson = (as_they_are[..., 0], as_they_are[..., 1:]) if as_they_are else ()
+    return Responses(whole[..., 0], whole[..., 1:], simpson, (values, errors))
 
 
 def _measured(
@@ -217,16 +216,16 @@ def _measured(
 
 def _with_one_oscillator(
     read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
-) -> tuple[Features, Features, JointFit | None]:
-    """Return features (L,) and replicates (L, count) of the levels of a case, and the oscillator fitted to all of them.
+) -> tuple[Features, JointFit | None]:
+    """Return features of the levels of a case and their replicates, (L, 1 + count), and the oscillator fitted to all of
+    them.
 
     The onsets of slip are those of that oscillator, as in `identification`. A level that was not read has NaN and the
     reason; where no oscillator fits the records, no level has a friction travel.
     """
     readings = [reading for reading in read if isinstance(reading, Reading)]
-    points = [of_numbers(np.nan, reason) for reason in read if isinstance(reason, str)]
-    replicates = [nothing[:, None][:, [0] * count] for nothing in points]
-    whole = None
+    reasons = [of_numbers(np.nan, reason)[:, None] for reason in read if isinstance(reason, str)]
+    parts, whole = [nothing[:, [0] * (1 + count)] for nothing in reasons], None
     if readings:
         whole = joint_fit([reading.lines for reading in readings], k, departures=False)
         shared = with_common_fit(readings, whole)
@@ -234,10 +233,10 @@ def _with_one_oscillator(
         features = sample_of(shared, means).features
         if not whole.waveforms_hold:
             features = features.replaced(a=np.nan)
-        points, replicates = [features[:, 0], *points], [features[:, 1:], *replicates]
+        parts = [features, *parts]
     last = [isinstance(reading, str) for reading in read]
     levels = np.argsort(np.argsort(last, kind="stable"))
-    return stack(points)[levels], stack(replicates)[levels], whole
+    return stack(parts)[levels], whole
 
 
 def _by_simpson(
@@ -245,21 +244,21 @@ def _by_simpson(
     k: float,
     count: int,
     random: np.random.Generator,
-) -> tuple[Array, Array]:
-    """Return a, b and W of the levels of a case by `studies.simpson`, (3, L), and replicates, (3, L, count).
+) -> Array:
+    """Return a, b and W of the levels of a case by `studies.simpson` and their replicates, (3, L, 1 + count).
 
     They are NaN where the record was not read.
     """
-    values, drawn = np.full((3, len(records)), np.nan), np.full((3, len(records), count), np.nan)
+    numbers = np.full((3, len(records), 1 + count), np.nan)
     for level, record in enumerate(records):
         if not isinstance(record, str):
             reading, measurement = record
             y, x = measurement.excitation, measurement["displacement"]
             dt = float(x.t[-1] - x.t[0]) / (len(x) - 1)
             of_cycles = cycle_integrals(y.values, x.values, dt, reading.steady.omega, k)
-            values[:, level] = of_cycles.mean(axis=-1)
-            drawn[:, level] = replicates_of(of_cycles, count, random)
-    return values, drawn
+            numbers[:, level, 0] = of_cycles.mean(axis=-1)
+            numbers[:, level, 1:] = replicates_of(of_cycles, count, random)
+    return numbers
 
 
 ROUTES_TO_RESPONSES = {

@@ -107,8 +107,8 @@ class StudyResult:
     def plot(self, figure: str | None = None, *, ax: Axes | None = None) -> Any:
         """Draw a figure of the errors, and return its axes: the one that a study's file without a figure gets.
 
-        figure : "curves" (errors along an axis), "map" (over two axes), "steps" (error of c against the step of
-        fixed-step schemes) or "scatter" (errors over many runs of noise); default, the one that suits the axes best.
+        figure : "curves" (errors along an axis), "map" (over two axes) or "scatter" (errors over many runs of noise);
+        default, the one that suits the axes best.
         ax : where to draw the first panel, which is returned; default, a new figure of pyplot, whose axes are returned
         as an array.
 
@@ -188,7 +188,8 @@ def study(
     [[3.5, 1.0, 0.004, 0.003387], [3.5, 2.0, 0.006, 0.005411]]
     """
     from ..project.documents import ConfigurationError, in_lines, read_schema
-    from .reading_study import MOST_NUMBERS, STUDY_SCHEMA, problems
+    from .parameters import STUDY_SCHEMA
+    from .reading_study import MOST_NUMBERS, problems
 
     given = {
         **{"axes": axes, "base": base, "levels_m": levels_m, "levels_of_Y": levels_of_Y},

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from pathlib import Path
@@ -21,8 +21,9 @@ import numpy as np
 from ..arrays import Array, Integers, Mask, Words
 from ..balance import APPROACHES, TERMS, approach
 from ..law.terms import in_order
+from ..project.documents import read_schema
 from ..replication.clean import ReadAt
-from .parameters import PARAMETERS, synonyms
+from .parameters import OF_LAW, PARAMETERS, STUDY_SCHEMA, parameter, synonyms
 
 # --- axes --------------------------------------------------------------------------------------------
 
@@ -158,62 +159,39 @@ def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
 # --- routes ------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Route:
-    """A way to the responses of a case; what depends on the route is asked here.
+class Route(NamedTuple):
+    """A way to the responses of a case, as the schema of studies describes it; what depends on the route is asked here.
 
     kind : its name in the file.
-    needs : parameters of the route; of each group one is needed.
-    optional : further parameters that it takes.
-    settings : other keys of the section `route` that it takes.
-    any_law : whether the oscillator may have further damping terms, and the balance too.
-    cycles, chunk_cases : if the file does not say; a chunk is a few seconds of work.
+    needs : parameters of the route; of each group one is needed.   optional : further parameters that it takes.
+    cycles, chunk_cases : if the file does not say.
     """
 
     kind: str
-    needs: tuple[tuple[str, ...], ...] = ()
-    optional: tuple[str, ...] = ()
-    settings: tuple[str, ...] = ()
-    any_law: bool = False
-    cycles: int = 4
-    chunk_cases: int = 512
+    chunk_cases: int
+    cycles: int = 0
+    needs: Sequence[Sequence[str]] = ()
+    optional: Sequence[str] = ()
 
     @property
     def is_noisy(self) -> bool:
-        """Whether the records have noise, so that coefficients have standard errors and rows can be weighted; rules of
-        reading mean nothing then."""
-        return "seed" in self.settings
+        """Whether the records have noise, so that coefficients have standard errors and rows can be weighted."""
+        return self.kind == "measured"
+
+    def takes(self, name: str) -> bool:
+        """Return whether a parameter means something to the route: noise is the limit of reading, and only exact
+        responses are known under further damping."""
+        kind = parameter(name).kind
+        if kind == "numerics":
+            return name in self.optional or any(name in names for names in self.needs)
+        return (
+            not self.is_noisy if kind == "read_out" else name not in OF_LAW or self.kind == "exact"
+        )
 
 
 STUDY_ROUTES = {
-    route.kind: route
-    for route in (
-        Route("exact", any_law=True, chunk_cases=524_288),
-        Route(
-            "fixed_step",
-            needs=(("scheme",), ("step_s", "steps_per_cycle")),
-            settings=("cycles", "reading"),
-            cycles=10,
-            chunk_cases=64,
-        ),
-        Route("sampled", needs=(("sampling_hz",),), settings=("cycles", "reading")),
-        Route(
-            "measured",
-            needs=(("sampling_hz",), ("noise",)),
-            optional=("run", "slip_range"),
-            settings=("cycles", "seed", "replicates"),
-            cycles=100,
-            chunk_cases=60,
-        ),
-    )
+    kind: Route(kind, **of) for kind, of in read_schema(STUDY_SCHEMA)["$defs"]["routes"].items()
 }
-
-
-DEFAULT_COLUMNS = ("parameters", "errors")
-"""Columns of the table of cases if the file does not say."""
-
-REPLICATES = 200
-"""Bootstrap replicates if the file does not say; their standard error is accurate to 5 %."""
 
 
 # --- fits --------------------------------------------------------------------------------------------
@@ -233,6 +211,8 @@ CONTACT = "K_z"
 """Symbol of the contact stiffness; as a yardstick, the maximum-likelihood oscillator with its K_z besides F_k and c."""
 
 _KEYS_SHOWN = ("title", "figure", "summary_by")  # keys on which no number depends
+_KEYS_OF_ROUTE = ("cycles", "reading", "seed", "replicates")
+_KEYS_OF_STUDY = ("columns", "chunk_cases", "summary_by", "figure")
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,13 +290,13 @@ class Study:
     fits: tuple[Fit, ...]
     route: Route
     cycles: int
-    reading: ReadAt
-    seed: int
-    replicates: int
-    columns: Sequence[str]
     chunk_cases: int
-    summary_by: Sequence[str]
-    figure: Mapping[str, Any]
+    reading: ReadAt = "interpolated"
+    seed: int = 0
+    replicates: int = 200  # of which a standard error is accurate to 5 %
+    columns: Sequence[str] = ("parameters", "errors")
+    summary_by: Sequence[str] = ()
+    figure: Mapping[str, Any] = field(default_factory=dict)
     text: Path | None = None
 
     @property
@@ -403,11 +383,9 @@ class Study:
         taken |= {other for key in fixed for other in synonyms(key)}
         fixed |= {key: value for key, value in paper["base"].items() if key not in taken}
         levels = document.get("levels_of_Y", document.get("levels_m", paper["levels_m"]))
-        # defaults where the file does not say
-        of_route: dict[str, Any] = {"cycles": way.cycles, "reading": "interpolated"}
-        of_route |= {"seed": 0, "replicates": REPLICATES}
-        of_study: dict[str, Any] = {"columns": DEFAULT_COLUMNS, "chunk_cases": way.chunk_cases}
-        of_study |= {"summary_by": (), "figure": {}}
+        stated: dict[str, Any] = {"cycles": way.cycles, "chunk_cases": way.chunk_cases}
+        for section, keys in ((route, _KEYS_OF_ROUTE), (document, _KEYS_OF_STUDY)):
+            stated |= {key: section[key] for key in keys if section.get(key)}
         return cls(
             name=name,
             title=document["title"],
@@ -419,22 +397,13 @@ class Study:
             fits=tuple(_fits(document.get("estimation", {}), way)),
             route=way,
             text=text,
-            **{key: route.get(key, usual) for key, usual in of_route.items()},
-            **{key: document.get(key) or usual for key, usual in of_study.items()},
+            **stated,
         )
 
 
 PAPER_CASE: Mapping[str, Any] = {
-    "base": {
-        "m_kg": 2.42,
-        "c_N_s_per_m": 90.0,
-        "k_N_per_m": 2310.0,
-        "K_z_N_per_m": 208000.0,
-        "F_k_N": 1.28,
-        "frequency_hz": 4.92,
-        "Y_m": 0.004,
-    },
-    "levels_m": [0.004, 0.006, 0.008, 0.010, 0.012],
+    "base": {name: p.default for name, p in PARAMETERS.items() if p.default is not None},
+    "levels_m": read_schema(STUDY_SCHEMA)["properties"]["levels_m"]["default"],
 }
 """`paper_defaults` of the paper's case, where there is no configuration to read."""
 

@@ -21,7 +21,7 @@ from ...project.wording import listed, minus, percent
 from ..case_files import CasesLike, stretches, terms_of
 from ..parameters import parameter
 from ..study_file import Fit, Sampled, Study
-from .statistics import Sizes
+from .statistics import Sizes, places_of
 
 MOST_BINS = 72  # along each axis
 PER_BIN = 40  # cases that a bin of a sample should hold on average
@@ -167,10 +167,8 @@ def _errors(
             if single:
                 counts[key][bins] = 100.0 * values[name]
                 continue
-            with np.errstate(divide="ignore"):  # an error of zero: the first place
-                place_of = (np.log10(np.abs(values[name])) - _LOWEST_BIN) * _BINS_PER_DECADE
-            place_of = np.clip(np.nan_to_num(place_of, nan=np.inf), 0, _BINS - 1).astype(int)
-            counts[key] += np.bincount(bins * _BINS + place_of, minlength=counts[key].size)
+            places = places_of(values[name], _LOWEST_BIN, _BINS_PER_DECADE, _BINS)
+            counts[key] += np.bincount(bins * _BINS + places, minlength=counts[key].size)
     if single:
         return {key: values.reshape(shape) for key, values in counts.items()}
     return {key: _quantiles(values.reshape(*shape, _BINS)) for key, values in counts.items()}

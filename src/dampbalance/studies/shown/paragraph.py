@@ -12,20 +12,17 @@ from typing import Any
 
 import jinja2
 import numpy as np
-import pandas as pd
 from jinja2 import meta, sandbox
 
 from ...arrays import Array, Integers
 from ...project.documents import ConfigurationError
-from ...project.wording import minus, number_text, percent, signed_percent
+from ...project.wording import percent, signed_percent
 from ..case_files import column_of
 from ..cases import case_columns
 from ..reading_study import wrong_selection
-from ..study_file import Fit, Study, is_value, selected
-from .statistics import Sizes, spread_of, worst_errors
+from ..study_file import Study, selected
+from .statistics import spread_of, worst_errors
 
-CROSSING, BEGINS, ENDS = "", " (where the axis begins)", " (where the axis ends)"
-NOT_IDENTIFIED_BEYOND = " (beyond it there are cases that cannot be identified)"
 CHOICES = {"approach", "phase", "sharing", "contact", "weights", "terms", "fit"}
 """Keys by which `errors` selects fits, with the meaning that they have in a figure."""
 
@@ -61,18 +58,14 @@ class ErrorsOfCases:
     def _kept(self) -> Integers:
         """The numbers of the cases that are left."""
         names = ("case", *self.spec.get("at", ()), *self.spec.get("between", ()))
-        return np.flatnonzero(
-            selected({name: column_of(self.cases, name) for name in names}, self.spec)
-        )
+        values = {name: column_of(self.cases, name) for name in names}
+        if not (kept := np.flatnonzero(selected(values, self.spec))).size:
+            raise ValueError("no case is left: a sampled axis has no value between these bounds")
+        return kept
 
     @property
     def _errors(self) -> Array:
         return worst_errors(self.study, self.cases, self.spec)[self._kept]
-
-    def _sizes(self, within: float = math.inf) -> Sizes:
-        sizes = Sizes(within)
-        sizes.add(self._errors)
-        return sizes
 
     @property
     def signed(self) -> float:
@@ -85,96 +78,22 @@ class ErrorsOfCases:
 
     @property
     def largest(self) -> float:
-        """The largest size."""
-        return self._sizes().largest
-
-    @property
-    def smallest(self) -> float:
-        """The smallest size."""
-        return self._sizes().smallest
-
-    @property
-    def median(self) -> float:
-        """The size that half of the errors do not exceed."""
-        return self._sizes().quantile(0.5)
-
-    @property
-    def p95(self) -> float:
-        """The size that 95 % of the errors do not exceed."""
-        return self._sizes().quantile(0.95)
+        """The largest size; NaN where nothing is identified."""
+        return float(np.fmax.reduce(np.abs(self._errors)))
 
     def within(self, bound: float) -> float:
         """Return the share of the cases whose error is within a bound."""
-        return self._sizes(bound).share
+        return float(np.mean(np.abs(self._errors) <= bound))
 
-    @property
-    def spread(self) -> dict[str, float]:
-        """Statistics over the cases that are left, of one fit, as `statistics.spread` has them."""
-        return spread_of(self.study, self.cases, self.spec["of"], self._fit, self._kept)
+    def __getitem__(self, statistic: str) -> float:
+        """Return a statistic over the cases that are left, of one fit, by its name in `statistics.spread`.
 
-    @property
-    def _fit(self) -> Fit:
-        fits = self.study.fits_of(self.spec)
-        if len(fits) > 1:
+        A template may write it with a dot, errors("F_k", "direct").p95.
+        """
+        if len(fits := self.study.fits_of(self.spec)) > 1:
             labels = ", ".join(fit.label for fit in fits)
-            raise ValueError(f"spread refers to one fit, but {labels} are selected")
-        return fits[0]
-
-    def band(self, along: str, within: float, around: float) -> str:
-        """Return the values of an axis, around one of them, between which the errors stay within a bound, to a
-        thousandth of their distance; with the reason for an end that is not a crossing."""
-        if (ends := self._ends(along, within, around)) is None:
-            return "nowhere"
-        (low, why_low), (high, why_high) = ends
-        decimals = max(0, 2 - math.floor(math.log10(high - low or 1.0)))
-        return minus(f"{low:.{decimals}f}{why_low} to {high:.{decimals}f}{why_high}")
-
-    def start(self, along: str, within: float, around: float) -> str:
-        """Return the lower end of `band`, to three digits."""
-        ends = self._ends(along, within, around)
-        return "nowhere" if ends is None else number_text(ends[0][0], 3) + ends[0][1]
-
-    def _ends(
-        self, along: str, within: float, around: float
-    ) -> tuple[tuple[float, str], tuple[float, str]] | None:
-        """Return the ends of a band, each with what it is."""
-        if not self.study.values_of(along):
-            raise ValueError(f"{along} is not an axis of this study whose values are listed")
-        self.at(**{along: around})
-        table = pd.DataFrame(
-            {"place": column_of(self.cases, along)[self._kept], "error": self._errors}
-        )
-        by_place = table.groupby("place")["error"].agg(["min", "max", "count", "size"])
-        known = (by_place["count"] == by_place["size"]).to_numpy(bool)
-        errors = np.where(known, by_place[["min", "max"]].to_numpy().T, np.nan)
-        places = by_place.index.to_numpy(float)
-        good = known & (np.abs(errors) <= within).all(axis=0)
-        middle = int(np.flatnonzero(is_value(places, around))[0])
-        if not good[middle]:
-            return None
-        bad = np.flatnonzero(~good)
-        first = int(bad[bad < middle].max(initial=-1)) + 1
-        last = int(bad[bad > middle].min(initial=len(places))) - 1
-        return _end(places, errors, within, first, -1), _end(places, errors, within, last, 1)
-
-
-def _end(places: Array, errors: Array, within: float, last: int, step: int) -> tuple[float, str]:
-    """Return where a band ends, and what that place is.
-
-    Between its last place and the next, the least and the largest error are taken to be straight lines; the band
-    ends where the first of them crosses the bound.
-    errors : the least and the largest at each place, (2, n).   last : the last place within.   step : ±1, outwards.
-    """
-    if not 0 <= last + step < len(places):
-        return float(places[last]), BEGINS if step < 0 else ENDS
-    here, beyond = errors[:, last], errors[:, last + step]
-    if np.isnan(beyond).any():
-        return float(places[last]), NOT_IDENTIFIED_BEYOND
-    crossed = np.abs(beyond) > within
-    bound = np.copysign(within, beyond[crossed])
-    share = float(np.min((bound - here[crossed]) / (beyond - here)[crossed]))
-    low, high = places[[last, last + step]]
-    return float(low + share * (high - low)), CROSSING
+            raise ValueError(f"{statistic} refers to one fit, but {labels} are selected")
+        return spread_of(self.study, self.cases, self.spec["of"], fits[0], self._kept)[statistic]
 
 
 # --- the template ------------------------------------------------------------------------------------

@@ -45,9 +45,7 @@ class Sizes:
         self.within += int(np.count_nonzero(size <= self._bound))
         self.smallest = float(size.min(initial=self.smallest))
         self.largest = float(size.max(initial=self.largest))
-        with np.errstate(divide="ignore"):  # log 0: the first bin
-            place = (np.log10(size) - _LOWEST) * _PER_DECADE
-        bins = np.clip(place, 0, len(self._counts) - 1).astype(np.int64)
+        bins = places_of(size, _LOWEST, _PER_DECADE, len(self._counts))
         self._counts += np.bincount(bins, minlength=len(self._counts))
 
     @property
@@ -62,6 +60,17 @@ class Sizes:
         reached = int(np.searchsorted(np.cumsum(self._counts), max(1.0, share * self.known)))
         middle = 10.0 ** (_LOWEST + (reached + 0.5) / _PER_DECADE)
         return float(min(max(middle, self.smallest), self.largest))
+
+
+def places_of(errors: Array, lowest: int, per_decade: int, count: int) -> Integers:
+    """Return the places of the sizes of errors in a histogram over their logarithms, the last one where they are
+    unknown.
+
+    lowest : decade at which it begins.   count : number of its places; what lies beyond them falls into the outer ones.
+    """
+    with np.errstate(divide="ignore"):  # log 0: the first place
+        places = (np.log10(np.abs(errors)) - lowest) * per_decade
+    return np.clip(np.nan_to_num(places, nan=np.inf), 0, count - 1).astype(np.int64)
 
 
 def worst_errors(study: Study, cases: CasesLike, spec: Mapping[str, Any]) -> Array:

@@ -1,5 +1,4 @@
-"""The figure of a study: errors along one axis, the error of c against the step of fixed-step schemes, errors over many
-runs, or what `maps` draws."""
+"""The figure of a study: errors along one axis, errors over many runs, or what `maps` draws."""
 
 from __future__ import annotations
 
@@ -16,54 +15,17 @@ from matplotlib.ticker import NullFormatter
 
 from ...arrays import Array, Integers
 from ...balance import takes_phase
-from ...figures.grid import (
-    NAMED,
-    ROOM,
-    clear_labels,
-    decades_axis,
-    grid,
-    logarithmic_ticks,
-    signed_axis,
-)
-from ...figures.looks import (
-    HARMONIC_LOOK,
-    SCHEME_LOOKS,
-    Look,
-    bounded_label,
-    in_maths,
-    label_of,
-    look_of,
-)
-from ...figures.series import (
-    COMMON,
-    EXACT,
-    INDIVIDUAL,
-    SHARINGS,
-    decades,
-    is_logarithmic,
-    signed_scale,
-)
-from ...figures.style import (
-    DASHED,
-    DOTTED,
-    FAINT,
-    PAPER_COLOUR,
-    SINGLE_COLUMN,
-    note,
-    omega_of,
-    page,
-    place,
-    styled,
-)
-from ...model import Oscillator
+from ...figures.grid import ROOM, clear_labels, decades_axis, grid, logarithmic_ticks
+from ...figures.looks import HARMONIC_LOOK, Look, bounded_label, in_maths, label_of, look_of
+from ...figures.series import COMMON, EXACT, INDIVIDUAL, SHARINGS, decades, is_logarithmic
+from ...figures.style import DASHED, DOTTED, FAINT, PAPER_COLOUR, note, omega_of, styled
 from ...project.wording import in_figure, listed
-from ...replication.fixed_step import SCHEMES
 from ...solver import NORMAL_95
 from ..case_files import CasesLike, column_of, terms_of
-from ..parameters import SI_COLUMNS, parameter
+from ..parameters import parameter
 from ..study_file import Fit, Study, selected
 from .maps import error_map
-from .statistics import groups, spread_of, worst_errors
+from .statistics import spread_of, worst_errors
 
 MOST_DRAWN = 1e3  # %: a larger error is not drawn
 FEW = 24  # cases on a curve up to which each is marked
@@ -76,7 +38,6 @@ PHASE_WORDS = {
     "zero_crossing": "phase of the zero crossing",
     "fundamental": "phase of the fundamental",
 }
-LEAST_BIAS = 1e-6  # N s/m: a smaller error of c is drawn on a linear axis
 _APART = 1.13  # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels of many runs, mm
 _CONFIDENCE = 95.0  # %
@@ -96,7 +57,6 @@ def alternative_text(study: Study) -> str:
     x, y = (parameter(figure.get(axis, figure["x"])).meaning for axis in ("x", "y"))
     shown = {
         "curves": f"size of the error of {identified} against {x}, with filled marks where it is too large",
-        "steps": f"error of {identified} against {x}",
         "map": f"error of {identified} over {x} and {y}, with lines at powers of ten",
         "scatter": f"size that 95 % of the errors of {identified} do not exceed, and coverage, against {x}",
     }
@@ -251,10 +211,7 @@ def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers
     else:
         values, of = column_of(cases, by), parameter(by)
         for value in dict.fromkeys(values.tolist()):
-            title = (
-                f"{of.name} = {of.shown(value)}" if of.symbol else f"{of.name}: {of.shown(value)}"
-            )
-            yield title, phase, order[values[order] == value]
+            yield of.titled(value), phase, order[values[order] == value]
 
 
 def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
@@ -270,57 +227,17 @@ def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
     axes.set_xlim(low, high)
 
 
-def _marks(axes: Axes, study: Study, label: bool, factor: float = 1.0) -> None:
-    """Mark the places on x, times a factor, that the study's figure names, above the frame."""
-    for name, value in study.figure.get("marks", {}).items():
-        axes.axvline(factor * value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
+def _marks(axes: Axes, study: Study, label: bool) -> None:
+    """Mark the places on x that the study's figure names, above the frame."""
+    low, high = axes.get_xlim()
+    marks: Mapping[str, float] = study.figure.get("marks", {})
+    for name, value in ((name, value) for name, value in marks.items() if low <= value <= high):
+        axes.axvline(value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
         if label:
             text = f"${omega}$" if (omega := omega_of(name)) else in_figure(name)
             at = ("data", "axes fraction")
             above: dict[str, Any] = {"size": 7.5, "color": FAINT, "xycoords": at}
-            note(axes, text, (factor * value, 1.0), (0.0, 1.5), "center", **above)
-
-
-@styled()
-def error_of_steps(study: Study, cases: CasesLike) -> Figure:
-    """Draw Error of c, N s/m, with its sign, by direct integration against the step of each fixed-step scheme, and the
-    line ± m ω² h: the damping that backward Euler adds to c and explicit Euler takes from it."""
-    h, schemes = column_of(cases, "step_s"), column_of(cases, "scheme")
-    m, c, k, omega = (column_of(cases, SI_COLUMNS[name][0]) for name in ("m", "c", "k", "omega"))
-    errors = c * worst_errors(study, cases, {"of": "c", "approach": "direct"})
-    oscillator = Oscillator(m=m[0], c=c[0], k=k[0], K_z=1.0, F_k=0.0)
-    steps = np.unique(h)
-    figure = page(SINGLE_COLUMN + 35.0, 76.0)
-    axes = place(figure, 16.0, 12.0, SINGLE_COLUMN - 20.0, 60.0)
-    along = np.geomspace(steps[0], steps[-1], 50)  # s; drawn in µs
-    euler = SCHEMES["backward-euler"]
-    added = np.array([abs(euler.balance_bias(oscillator, omega[0], step)) for step in along])
-    bias: dict[str, Any] = {"color": FAINT, "lw": 2.5, "alpha": 0.45}
-    for sign in (1.0, -1.0):
-        axes.plot(1e6 * along, sign * added, zorder=0, **bias)
-    handles = [Line2D([], [], label=r"$\pm m\omega^2 h$", **bias)]
-    for name, (label, look) in SCHEME_LOOKS.items():
-        those = np.flatnonzero(schemes == name)
-        if those.size:
-            those = those[np.argsort(h[those])]
-            style: dict[str, Any] = {"color": look.colour, "marker": look.marker, "lw": 0.7}
-            style |= {"ms": 3.4, "mfc": "white", "mew": 0.7}
-            style |= {
-                "zorder": 3.0 - 0.1 * len(handles)
-            }  # the diamond below the cross, which it would hide
-            axes.plot(1e6 * h[those], errors[those], **style)
-            handles.append(Line2D([], [], label=label, **style))
-    logarithmic_ticks(axes, "x", 1e6 * steps[0], 1e6 * steps[-1])
-    if len(steps) <= NAMED:
-        axes.set_xticks(1e6 * steps, [f"{1e6 * step:g}" for step in steps])
-    axes.set_xlim(0.9e6 * steps[0], 1.1e6 * steps[-1])
-    signed_axis(axes, signed_scale([errors], LEAST_BIAS, math.inf))
-    axes.set_xlabel("step $h$ (µs)")
-    axes.set_ylabel(r"$c_\mathrm{identified} - c$ (N s/m)")
-    clear_labels([axes])
-    _marks(axes, study, label=True, factor=1e6)
-    figure.legend(handles=handles, loc="center left", bbox_to_anchor=(0.71, 0.55))
-    return figure
+            note(axes, text, (value, 1.0), (0.0, 1.5), "center", **above)
 
 
 # --- errors over many runs ---------------------------------------------------------------------------
@@ -334,22 +251,21 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
     A row of panels per term, a column per value of another axis, a line per fit. Bars: the uncertainty
     from the number of runs, 1.96 standard errors of the size, and the 95 % interval of the coverage.
     """
-    name, by = study.figure["x"], study.figure.get("panels")
+    name = study.figure["x"]
     factor = 100.0 if name == "noise" else 1.0  # a part of the signal, in %
     lines, intervals = _lines(study), "intervals" in study.columns
-    kept = list(groups(cases, [name, *([by] if by else [])]))
-    values: list[Any] = list(dict.fromkeys(where[by] for where, _ in kept)) if by else [None]
+    along, shown = column_of(cases, name), list(_panels(study, cases))
     symbols, low = terms_of(cases), _COVERAGE + _GAP if intervals else 0.0
-    panels = grid(len(symbols), len(values), height=low + _ERRORS)
+    panels = grid(len(symbols), len(shown), height=low + _ERRORS)
     for row, symbol in enumerate(symbols):
         drawn = []
-        for column, value in enumerate(values):
-            runs = [rows for where, rows in kept if not by or where[by] == value]
-            x = factor * np.array([w[name] for w, _ in kept if not by or w[by] == value])
+        for column, (title, _, those) in enumerate(shown):
+            places, first = np.unique(along[those], return_index=True)
+            x, runs = factor * places, np.split(those, first[1:])
             errors = panels.panel(row, column, low)
             below = [panels.panel(row, column, 0.0, _COVERAGE)] if intervals else []
             for axes, what in zip([errors, *below], ("errors", "coverage"), strict=False):
-                axes.set_label(f"{symbol} {value} {what}")
+                axes.set_label(f"{symbol} {title} {what}")
                 _axis_of_runs(axes, x)
                 axes.tick_params(labelbottom=False, labelleft=column == 0)
             axes.tick_params(labelbottom=row == len(symbols) - 1)
@@ -382,14 +298,13 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
                 panels.name_row(errors, f"95 % of errors of ${symbol}$ below (%)")
                 for axes in below:
                     panels.name_row(axes, "coverage (%)")
-            if row == 0 and by:
-                of_panel = parameter(by)
-                errors.set_title(f"{of_panel.name} = {of_panel.shown(value, 6)}", pad=4.0)
+            if row == 0 and title:
+                errors.set_title(title, pad=4.0)
         sizes = [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
         for axes in drawn:
             decades_axis(axes, decades(sizes))
-    along = parameter(name)
-    panels.text_below(f"{along.meaning} (%)" if name == "noise" else along.label)
+    of_x = parameter(name)
+    panels.text_below(f"{of_x.meaning} (%)" if name == "noise" else of_x.label)
     handles = []
     for label, (_, style) in zip(lines, _line_styles(lines), strict=True):
         del style["elinewidth"]
@@ -452,7 +367,6 @@ def _between(places: Array) -> float:
 
 FIGURES: Mapping[str, Callable[[Study, CasesLike], Figure]] = {
     "curves": error_curves,
-    "steps": error_of_steps,
     "map": error_map,
     "scatter": errors_of_runs,
 }
