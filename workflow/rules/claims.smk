@@ -1,7 +1,27 @@
-# A verdict on every printed number, and the comparison with the verdicts on record.
+# One table of the numbers of all routes; a verdict on every printed number; the comparison with the verdicts on record.
 
 
 include: "../functions/claims.smk"
+
+
+rule numbers:
+    input:
+        features=of_routes("features"),
+        estimates=of_routes("estimates"),
+        unrounded=rules.features_as_published.output.unrounded,
+        published=published_files if config["published"] else [],
+        code=rooms("replication"),
+    output:
+        csv=f"{RESULTS}/numbers.csv",
+    priority: FIRST
+    params:
+        case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs"),
+        folder=lambda wildcards: RESULTS,
+        published=PUBLISHED,
+    message:
+        "Numbers of all routes"
+    script:
+        "../scripts/claims/numbers.py"
 
 
 rule claims:

@@ -27,6 +27,7 @@ from ...features import FEATURE_COLUMNS, Features, of_numbers
 from ...project.case import Case
 from ...project.wording import cut
 from ...solver import Pair, pair_label
+from ..numbers import Key, of_errors, of_estimates, of_features
 from ..rebuilt_tables import (
     HARMONIC,
     IDENTIFIED_QUANTITIES,
@@ -255,3 +256,39 @@ def printed_estimates(published: Published) -> RouteTables:
         }
         frames.append(pd.DataFrame(pairs).assign(approach=name, kind="pair", phase=phase))
     return RouteTables({}, {"omega1": pd.concat(frames)})
+
+
+def numbers_from_print(published: Published, case: Case) -> dict[Key, float]:
+    """Return the numbers at ω1 that follow from the printed ones: features, estimates, and what sums them up.
+
+    Estimates come from the printed features, pair-wise with φ = 1.542 and t_s = 2.1 ms of the text; mean, deviation and
+    errors of the pairs from the pairs that Tables 2 and 3 print. Only ω, k, the pairs and the true values come from
+    outside the print.
+    """
+    features = printed_features(published, case.omega("omega1"))
+    stated = {name: published[of_text(f"{name}_mean")].value for name in ("phi", "t_s")}
+    common, k = features.replaced(**stated), case.oscillator.k
+    estimates = estimate_table(features, k, PAIRS, common=common, approaches=PRINTED_APPROACHES)
+    numbers = of_features("omega1", features.to_frame()) | of_estimates("omega1", estimates)
+    pairs = printed_pairs(published)
+    columns = [q.column for q in IDENTIFIED_QUANTITIES]
+    by_approach = pairs.groupby(["approach", "phase"], sort=False)[columns]
+    for kind, moments in (("mean", by_approach.mean()), ("std", by_approach.std())):
+        frame = moments.reset_index().assign(kind=kind, pair="all")
+        numbers |= of_estimates("omega1", frame)
+    return numbers | of_errors("omega1", pairs, case.oscillator)
+
+
+def printed_pairs(published: Published) -> pd.DataFrame:
+    """Return the printed pairs of Tables 2 and 3 as a table of estimates."""
+    frames = []
+    for name in PRINTED_APPROACHES:
+        table, phase = ("table3", "common") if name in HARMONIC else ("table2", "individual")
+        approach = name if name in HARMONIC else ""
+        pairs = {
+            q.column: published.column(table, q.symbol, approach) for q in IDENTIFIED_QUANTITIES
+        }
+        frames.append(
+            pd.DataFrame(pairs).assign(approach=name, kind="pair", phase=phase, pair=PAIR_LABELS)
+        )
+    return pd.concat(frames, ignore_index=True)
