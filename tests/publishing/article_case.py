@@ -24,8 +24,9 @@ from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
 from dampbalance.figures import style
-from dampbalance.project.files import write_csv, write_json
+from dampbalance.project.files import EVERY_DIGIT, write_csv, write_json
 from dampbalance.publishing.article import compiling
+from dampbalance.replication.numbers import by_key
 from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.study_file import PAPER_CASE
@@ -36,11 +37,10 @@ from replication.routes import (
     PAPER,
     ROOT,
     approaches,
-    as_published,
     computed,
     exact,
     judged,
-    unrounded,
+    numbers,
 )
 
 RESULTS, STUDIES = "results/paper", "results/studies"
@@ -166,21 +166,15 @@ def build(folder: Path) -> None:
 
 def _routes(folder: Path) -> None:
     """Write features, estimates, claims and tables."""
-    routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
-    claims = judged()
-    frames: dict[str, Any] = {"claims": claims}
-    frames[f"features/as_published/unrounded/{FIRST}"] = unrounded()
-    for route, of in routes.items():
-        for name in CASE.frequencies_hz:
-            frames[f"features/{route}/{name}"] = of.features[name]
-            frames[f"estimates/{route}/{name}"] = of.estimates[name]
-    tables = paper_tables(routes, FIRST, claims)
+    frames: dict[str, Any] = {"claims": judged()}
+    frames["numbers"] = numbers().drop(columns=["printed", "verdict"])
+    tables = paper_tables(by_key(numbers()), FIRST)
     frames |= {f"tables/{name}": tables[name] for name in ("table1", "table2", "table3")}
     frames["tables/approaches"] = approaches()
     for name, frame in frames.items():
         file = folder / f"{RESULTS}/{name}.csv"
         file.parent.mkdir(parents=True, exist_ok=True)
-        write_csv(file, frame)
+        write_csv(file, frame, EVERY_DIGIT)
 
 
 def _studies(project: Project) -> tuple[list[str], list[str]]:
@@ -200,10 +194,8 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     article, names = f"{RESULTS}/article", ("numerics", "glance")
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
-        "unrounded": f"{RESULTS}/features/as_published/unrounded/{FIRST}.csv",
+        "numbers": f"{RESULTS}/numbers.csv",
         "approaches": f"{RESULTS}/tables/approaches.csv",
-        "exact": f"{RESULTS}/features/exact/{FIRST}.csv",
-        "as_published": f"{RESULTS}/estimates/as_published/{FIRST}.csv",
         "steps": cases[OF_ARTICLE.index("step_size")],
         "study_cases": cases,
         "study_files": files,
@@ -220,7 +212,6 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         inputs,
         case=CONFIG,
         frequency=FIRST,
-        folder=RESULTS,
         studies=OF_ARTICLE,
         papers=[PAPER_CASE] * len(OF_ARTICLE),
         packages=["dampbalance", "numpy", "typst"],

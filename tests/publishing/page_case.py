@@ -6,17 +6,16 @@ import copy
 import json
 from pathlib import Path
 
-import pandas as pd
-
 from dampbalance.figures.style import save_svg
-from dampbalance.project.files import read_csv, write_csv
+from dampbalance.project.files import read_csv
 from dampbalance.publishing.page.report import PageContent, report_page
+from dampbalance.replication.numbers import by_key, with_claims
 from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from publishing.article_case import RESULTS, STUDIES
-from replication.routes import CASE, CONFIG, PAPER, as_published, computed, exact
+from replication.routes import CASE, CONFIG, computed
 
 PAGE = "results/paper/report.html"
 COARSER = ("count: 441", "count: 45")  # than in config/studies
@@ -30,7 +29,7 @@ def results(folder: Path, article: Path) -> PageContent:
     """
     made = article / RESULTS
     claims = read_csv(made / "claims.csv", dtype=str)
-    routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
+    numbers = by_key(with_claims(read_csv(made / "numbers.csv"), claims))
     frequency, cases = computed("frequency", folder, COARSER)
     save_svg(study_figure(frequency, cases), folder / "figure.svg", alternative_text(frequency))
     steps = read_study(article / f"{STUDIES}/step_size.yaml")
@@ -40,13 +39,7 @@ def results(folder: Path, article: Path) -> PageContent:
         case=CASE,
         config=copy.deepcopy(CONFIG),
         claims=claims,
-        tables={
-            name: {
-                table: _through(folder / f"{table}_{name}.csv", frame)
-                for table, frame in paper_tables(routes, name, None if n else claims).items()
-            }
-            for n, name in enumerate(CASE.frequencies_hz)
-        },
+        tables={name: paper_tables(numbers, name) for name in CASE.frequencies_hz},
         approaches=read_csv(made / "tables/approaches.csv"),
         figures={name: _text(made / f"figures/{name}.svg") for name in FIGURES},
         evidence=json.loads(_text(made / "article/evidence.json")),
@@ -68,9 +61,3 @@ def page_of(made: PageContent) -> str:
 
 def _text(file: Path) -> str:
     return file.read_text(encoding="utf-8")
-
-
-def _through(file: Path, frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame as it comes back from its file."""
-    write_csv(file, frame)
-    return read_csv(file)

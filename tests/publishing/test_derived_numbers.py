@@ -26,7 +26,7 @@ from dampbalance.replication.authors_route import (
     simulate_levels,
     trial_table,
 )
-from replication.routes import CASE, PAPER, PRINT, approaches, as_published, exact
+from replication.routes import CASE, PAPER, approaches, as_published, exact, numbers
 
 STEP_US = 1e6 * CASE.numerics.step_s
 
@@ -39,9 +39,9 @@ def coarse():
 
 
 def claims_of(name: str, values) -> pd.DataFrame:
-    """Claims with the printed a or W of Table 2."""
-    ids = [f"table2.{name}.{level}" for level in range(1, len(values) + 1)]
-    return pd.DataFrame({"id": ids, "printed": [repr(float(value)) for value in values]})
+    """Numbers with the printed a or W of Table 2."""
+    printed = [repr(float(value)) for value in values]
+    return pd.DataFrame({"quantity": name, "kind": "level", "printed": printed})
 
 
 def test_the_last_cycle_is_the_one_that_features_are_read_from(coarse):
@@ -136,11 +136,8 @@ def test_instants_agree_to_what_they_were_moved_by():
 
 @pytest.fixture(scope="module")
 def printed():
-    """The claims that the numbers on Tables 2 and 3 are computed from."""
-    rows = {
-        id: row.printed for id, row in PRINT.rows.items() if id.startswith(("table2", "table3"))
-    }
-    return pd.DataFrame({"id": rows.keys(), "printed": rows.values()})
+    """What is printed, with what the routes give for it."""
+    return numbers()
 
 
 @pytest.fixture(scope="module")
@@ -163,8 +160,10 @@ def test_the_steps_of_W_are_those_of_an_independent_computation(
 
 def test_W_fits_the_exact_solver_with_the_damping_put_in_by_hand(schemes, printed):
     """Better than the simulation: numbers of an independent computation, to half a unit of their last digit."""
-    rebuilt = as_published(PAPER).features["omega1"]
-    W = integral_deviations(exact().features["omega1"], rebuilt, printed, schemes)["W"]
+    of_exact, rebuilt = (
+        Features.from_frame(route.features["omega1"]) for route in (exact(), as_published())
+    )
+    W = integral_deviations(of_exact, rebuilt, printed, schemes)["W"]
     assert W["printed_from_by_hand"]["max"] == pytest.approx(2.3e-7, abs=0.05e-7)
     assert W["printed_from_rebuilt"]["max"] == pytest.approx(3.4e-7, abs=0.05e-7)
     assert W["printed_from_c_over_m"]["max"] == pytest.approx(5.9e-7, abs=0.05e-7)
@@ -208,12 +207,8 @@ def test_the_errors_of_a_fit_have_their_sign():
 
 
 def test_the_figure_shows_what_it_is_given():
-    features = exact(PAPER).features
-    claims = pd.DataFrame({"id": ["text.c_direct_ls"], "printed": ["90.0115"]})
     none = pd.DataFrame()
-    evidence = Evidence(
-        claims, features["omega1"], as_published(PAPER).estimates["omega1"], none, none, none
-    )
+    evidence = Evidence(numbers(), none, none, none)
     damping, errors, hz = at_a_glance(evidence, approaches(), CASE)
     assert damping.true == 90.0
     assert damping.rebuilt == pytest.approx(90.0114, abs=5e-5)

@@ -26,13 +26,9 @@ if config["published"]:
 
     rule article_numbers:
         input:
-            features=of_routes("features"),
-            unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
-            estimates=of_routes("estimates"),
+            numbers=rules.numbers.output.csv,
             claims=rules.claims.output.csv,
             approaches=f"{RESULTS}/tables/approaches.csv",
-            exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
-            as_published=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
             study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
             study_files=study_files(ARTICLE_STUDIES),
@@ -52,7 +48,6 @@ if config["published"]:
             papers=lambda wildcards: [*map(study_defaults, ARTICLE_STUDIES)],
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
             frequency=FREQUENCIES[0],
-            folder=lambda wildcards: RESULTS,
             studies=ARTICLE_STUDIES,
             packages=ARTICLE_PACKAGES,
         message:

@@ -26,9 +26,7 @@ rule numbers:
 
 rule claims:
     input:
-        features=of_routes("features"),
-        estimates=of_routes("estimates"),
-        unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
+        numbers=rules.numbers.output.csv,
         published=published_files,
         code=rooms("replication"),
     output:
@@ -41,7 +39,6 @@ rule claims:
     priority: FIRST
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=lambda wildcards: RESULTS,
         published=PUBLISHED,
     message:
         "Verdicts on the printed numbers"

@@ -20,7 +20,8 @@ PAGE_FIGURES = {
 rule page:
     input:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
-        tables=rules.tables.output.csv,
+        numbers=rules.numbers.output.csv,
+        approaches=f"{RESULTS}/tables/approaches.csv",
         figures=list(PAGE_FIGURES.values()),
         evidence=rules.article_numbers.output.evidence if config["published"] else [],
         shown=rules.article_numbers.output.studies if config["published"] else [],
@@ -38,7 +39,6 @@ rule page:
         config=config,
         study_folder=lambda wildcards: STUDY_RESULTS,
         figures=list(PAGE_FIGURES),
-        folder=lambda wildcards: RESULTS,
         page=lambda wildcards: f"{RESULTS}/report.html",
     message:
         "The page of the case"

@@ -2,14 +2,14 @@
 
 What a number is, its `Key`, stands in columns; tables, verdicts and comparisons select rows by it. Features have a row
 per level and one of their mean; estimates one per approach, kind and pair; their errors are those of F_k and c, %.
-Printed numbers have the same keys (`paper/published/printed.csv`).
+Printed numbers have the same keys.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from ..balance import TERMS, takes_phase
 from ..estimates import estimate_table
@@ -46,13 +46,20 @@ class Key(NamedTuple):
 
 
 COLUMNS = ("exact", "as_published", "unrounded", "from_print")
-"""The routes: exactly; as the authors computed; the same before anything is read or rounded; from the printed tables."""
+"""The routes: exactly; as the authors computed; before anything is read or rounded; from the printed tables."""
 
 Values = Mapping[Key, float]
 """The numbers of one route."""
 
+Numbers = Mapping[Key, Mapping[Any, Any]]
+"""The rows of a table of numbers."""
+
 PRINTED_APPROACHES = ("direct", "t_s", "X_s", "V_s")
 """The approaches that the paper prints estimates of, in the order of Tables 2 and 3."""
+
+TABLE_1 = ("X", "X_s", "V_s", "phi", "t_s")
+TABLE_2 = ("a", "b", "W")
+"""The features that the paper prints, level by level."""
 
 HARMONIC = "harmonic"
 HARMONIC_APPROACHES = PRINTED_APPROACHES[1:]
@@ -76,22 +83,27 @@ QUANTITIES = {
 """Column of a table of features or estimates → its quantity and unit in the table of numbers."""
 
 UNITS = dict(QUANTITIES.values())
+"""Quantity → its unit."""
+
+PARAMETERS = {"m": "kg", "c": "N s/m", "k": "N/m", "K_z": "N/m", "F_k": "N"}
+"""Parameter of the case → its unit."""
 
 
 def of_case(case: Case) -> dict[Key, float]:
     """Return the parameters of a case, and what follows from them."""
     osc = case.oscillator
-    units = {"m": "kg", "c": "N s/m", "k": "N/m", "K_z": "N/m", "F_k": "N"}
-    numbers = {(s, unit): getattr(osc, s) for s, unit in units.items()}
-    numbers |= {("zeta", "1"): osc.zeta, ("omega_n", "Hz"): osc.omega_n / (2.0 * math.pi)}
-    parameters = {
-        Key(quantity=s, kind="parameter", unit=unit): v for (s, unit), v in numbers.items()
+    given = Key(kind="parameter")
+    hertz = given._replace(unit="Hz")
+    return {
+        **{
+            given._replace(quantity=s, unit=unit): getattr(osc, s) for s, unit in PARAMETERS.items()
+        },
+        given._replace(quantity="zeta", unit="1"): osc.zeta,
+        hertz._replace(quantity="omega_n"): osc.omega_n / (2.0 * math.pi),
+        **{
+            hertz._replace(frequency=n, quantity="omega"): f for n, f in case.frequencies_hz.items()
+        },
     }
-    driven = {
-        Key(name, "omega", kind="parameter", unit="Hz"): hz
-        for name, hz in case.frequencies_hz.items()
-    }
-    return parameters | driven
 
 
 def of_features(frequency: str, frame: pd.DataFrame) -> dict[Key, float]:
@@ -116,7 +128,8 @@ def of_estimates(frequency: str, frame: pd.DataFrame) -> dict[Key, float]:
     """
     numbers = {}
     for line in frame.to_dict("records"):
-        way = Key(frequency, "", line["approach"], line["kind"], "", _sharing(line), line["pair"])
+        sharing = _sharing(line["approach"], line["phase"])
+        way = Key(frequency, "", line["approach"], line["kind"], "", sharing, line["pair"])
         for column in (column for column in line if column in QUANTITIES):
             symbol, unit = QUANTITIES[str(column)]
             if symbol in TERMS or not math.isnan(line[column]):
@@ -125,31 +138,32 @@ def of_estimates(frequency: str, frame: pd.DataFrame) -> dict[Key, float]:
 
 
 def of_errors(
-    frequency: str, frame: pd.DataFrame, osc: Oscillator, phase: str = ""
+    frequency: str, frame: pd.DataFrame, osc: Oscillator, definition: str = ""
 ) -> dict[Key, float]:
     """Return the errors of F_k and c, %: of the least squares, with sign, and the size of the largest of the pairs.
 
-    frame : `estimates.estimate_table`.   osc : with the true values.   phase : as in `Key`.
+    frame : `estimates.estimate_table`.   osc : with the true values.   definition : of φ, `Key.phase`.
     NaN: an estimate that does not exist (nothing slips), and an error relative to a true value of zero.
     """
     numbers: dict[Key, float] = {}
     errors = relative_errors(frame, osc)
 
     def largest(way: Key, rows: pd.DataFrame) -> None:
-        of_terms = rows.abs().max()
-        numbers.update({way._replace(quantity=s): error for s, error in of_terms.items()})
-        numbers[way._replace(quantity="any")] = of_terms.max()
+        sizes = rows.abs().max()
+        numbers.update({way._replace(quantity=str(s)): size for s, size in sizes.items()})
+        numbers[way._replace(quantity="any")] = sizes.max()
 
-    pair = frame["kind"] == "pair"
-    for _, lines in frame.groupby(["approach", "phase"], sort=False):
-        way = Key(frequency, "", lines["approach"].iloc[0], "largest", phase, unit="%")
-        way = way._replace(sharing=_sharing(lines.iloc[0]))
-        for _, fit in errors.loc[lines.index[lines["kind"] == "least_squares"]].iterrows():
-            kind = way._replace(kind="least_squares")
-            numbers |= {kind._replace(quantity=s): error for s, error in fit.items()}
-        largest(way, errors.loc[lines.index[lines["kind"] == "pair"]])
-    common = pair & (frame["phase"] == "common") & frame["approach"].isin(HARMONIC_APPROACHES)
-    largest(Key(frequency, "", HARMONIC, "largest", phase, "common", unit="%"), errors[common])
+    approaches, phases = frame["approach"], frame["phase"]
+    pair, fit = frame["kind"] == "pair", frame["kind"] == "least_squares"
+    for approach, phase in dict.fromkeys(zip(approaches, phases, strict=True)):
+        own, sharing = (approaches == approach) & (phases == phase), _sharing(approach, phase)
+        way = Key(frequency, "", approach, "least_squares", definition, sharing, unit="%")
+        for signed in errors[own & fit].to_dict("records"):
+            numbers |= {way._replace(quantity=str(s)): error for s, error in signed.items()}
+        largest(way._replace(kind="largest"), errors[own & pair])
+    common = pair & (phases == "common") & approaches.isin(HARMONIC_APPROACHES)
+    way = Key(frequency, "", HARMONIC, "largest", definition, "common", unit="%")
+    largest(way, errors[common])
     return numbers
 
 
@@ -165,72 +179,89 @@ def relative_errors(frame: pd.DataFrame, osc: Oscillator) -> pd.DataFrame:
     )
 
 
-def of_route(
-    case: Case, features: Mapping[str, pd.DataFrame], estimates: Mapping[str, pd.DataFrame]
-) -> dict[Key, float]:
-    """Return all numbers of a route that simulates, from its tables by frequency."""
-    numbers: dict[Key, float] = {}
-    for name, frame in features.items():
-        numbers |= of_features(name, frame)
-    for name, frame in estimates.items():
-        numbers |= of_estimates(name, frame) | of_errors(name, frame, case.oscillator)
+def of_routes(
+    case: Case,
+    features: Mapping[str, Mapping[str, pd.DataFrame]],
+    estimates: Mapping[str, Mapping[str, pd.DataFrame]],
+) -> dict[str, dict[Key, float]]:
+    """Return all numbers of the routes that simulate, from route → frequency → table.
+
+    The exact one has the errors of its approaches for every definition of the phase.
+    """
+    routes: dict[str, dict[Key, float]] = {}
+    for route, frames in features.items():
+        numbers = routes[route] = of_case(case) if route == "exact" else {}
+        for name, frame in frames.items():
+            numbers |= of_features(name, frame)
+        for name, frame in estimates.get(route, {}).items():
+            numbers |= of_estimates(name, frame) | of_errors(name, frame, case.oscillator)
+    for name, frame in features["exact"].items():
+        routes["exact"] |= _errors_by_phase(name, Features.from_frame(frame), case)
+    return routes
+
+
+def _errors_by_phase(frequency: str, features: Features, case: Case) -> dict[Key, float]:
+    """Return the errors of every approach: with φ as it is, and with every definition of it."""
+    osc, numbers = case.oscillator, dict[Key, float]()
+    for phase in ("", *PHASES):
+        of_phase = features.with_phase(phase) if phase else features
+        table = estimate_table(of_phase, osc.k, case.pairs)
+        lines = table[table["approach"].map(takes_phase)] if phase else table
+        numbers |= of_errors(frequency, lines, osc, phase)
     return numbers
 
 
-def errors_by_phase(case: Case, features: Mapping[str, pd.DataFrame]) -> dict[Key, float]:
-    """Return the errors of every approach with exact features, for every definition of the phase."""
-    numbers: dict[Key, float] = {}
-    osc = case.oscillator
-    for name, frame in features.items():
-        of = Features.from_frame(frame)
-        for phase in ("", *PHASES):
-            of_phase = of.with_phase(phase) if phase else of
-            table = estimate_table(of_phase, osc.k, case.pairs)
-            if phase:
-                table = table[table["approach"].map(takes_phase)]
-            numbers |= of_errors(name, table, osc, phase)
-    return numbers
+def numbers_table(routes: Mapping[str, Values], ids: Mapping[Key, str]) -> pd.DataFrame:
+    """Join the numbers of the routes: a row per number, with the columns `id`, those of `Key`, and COLUMNS.
 
-
-def numbers_table(routes: Mapping[str, Values]) -> pd.DataFrame:
-    """Join the numbers of the routes: a row per number, the columns of `Key` and COLUMNS; NaN where a route has none."""
+    ids : of printed numbers, by their keys.   NaN: the route has no such number.
+    """
     import pandas as pd  # slow to import, and needed for tables only
 
     keys = dict.fromkeys(key for column in COLUMNS for key in routes.get(column, ()))
     return pd.DataFrame.from_records(
-        [(*key, *(routes.get(c, {}).get(key, math.nan) for c in COLUMNS)) for key in keys],
-        columns=[*Key._fields, *COLUMNS],
+        [
+            (ids.get(key, ""), *key, *(routes.get(c, {}).get(key, math.nan) for c in COLUMNS))
+            for key in keys
+        ],
+        columns=["id", *Key._fields, *COLUMNS],
     )
 
 
-def by_key(numbers: pd.DataFrame) -> dict[Key, dict[str, float]]:
-    """Return the rows of a table of numbers by their keys, each with a number per route."""
-    cells = numbers[[*Key._fields, *COLUMNS]].itertuples(index=False, name=None)
-    n = len(Key._fields)
-    return {Key(*row[:n]): dict(zip(COLUMNS, row[n:], strict=True)) for row in cells}
+def with_claims(table: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFrame:
+    """Return a table of numbers with the columns `printed` and `verdict` of the claims, "" where nothing is printed."""
+    printed = claims[["id", "printed", "verdict"]]
+    return table.merge(printed, "left", "id").fillna({"printed": "", "verdict": ""})
 
 
-def select(numbers: pd.DataFrame, **keys: str) -> pd.DataFrame:
-    """Return the rows with these keys, in the order of the table.   keys : of `Key`."""
-    chosen = numbers
+def select(table: pd.DataFrame, **keys: str) -> pd.DataFrame:
+    """Return the rows of a table of numbers with these fields of `Key`, in the order of the table."""
     for name, value in keys.items():
-        chosen = chosen[chosen[name] == value]
-    return chosen
+        table = table[table[name] == value]
+    return table
 
 
-def number(numbers: pd.DataFrame, route: str, **keys: str) -> float:
-    """Return one number by a route, NaN where it has none.   keys : of `Key`, its defaults for those not given."""
-    chosen = select(numbers, **Key(**keys)._asdict())[route]
-    return float(chosen.iloc[0]) if len(chosen) else math.nan
+def by_key(table: pd.DataFrame) -> Numbers:
+    """Return the rows of a table of numbers by their keys: the id, a number for each route, and any other column."""
+    keys = map(Key._make, table[list(Key._fields)].itertuples(index=False, name=None))
+    rows = table.drop(columns=list(Key._fields)).to_dict("records")
+    return dict(zip(keys, rows, strict=True))
 
 
-def features_of(numbers: pd.DataFrame, route: str, frequency: str, omega: float) -> Features:
-    """Return the features of all levels by a route.   omega : drive frequency, rad/s. Raises ValueError: none."""
-    rows = select(numbers, frequency=frequency, kind="level")
-    of = {name: select(rows, quantity=name)[route].to_numpy() for name in FEATURE_COLUMNS}
-    return of_numbers(omega, "", **of)
+def number(numbers: Numbers, route: str, **keys: str) -> float:
+    """Return a number by a route, NaN where it has none.   keys : fields of `Key`."""
+    return float(numbers.get(Key(**keys), {}).get(route, math.nan))
 
 
-def _sharing(line: Mapping[str, str]) -> str:
-    """Return the sharing of φ and t_s behind a line of estimates."""
-    return line["phase"] if takes_phase(line["approach"]) else ""
+def features_of(numbers: Numbers, route: str, frequency: str, omega: float) -> Features:
+    """Return the features of all levels by a route.   omega : drive frequency, rad/s."""
+    values: dict[str, list[float]] = {}
+    for key, row in numbers.items():
+        if (key.frequency, key.kind) == (frequency, "level") and key.quantity in FEATURE_COLUMNS:
+            values.setdefault(key.quantity, []).append(row[route])
+    return of_numbers(omega, "", **values)
+
+
+def _sharing(approach: str, phase: str) -> str:
+    """Return the sharing of φ and t_s behind a line of a table of estimates, by its columns."""
+    return phase if takes_phase(approach) else ""

@@ -11,11 +11,12 @@ from importlib.metadata import metadata, version
 
 import pandas as pd
 
-from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance, numerics
+from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance
+from dampbalance.figures.numerics import numerics as draw_numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.documents import read_yaml
-from dampbalance.project.files import read_csv, read_routes, write_csv, write_json
+from dampbalance.project.files import read_csv, write_csv, write_json
 from dampbalance.publishing.article import compiling
 from dampbalance.publishing.article.derived_numbers import (
     at_a_glance,
@@ -24,21 +25,24 @@ from dampbalance.publishing.article.derived_numbers import (
 )
 from dampbalance.publishing.provenance.manifest import software
 from dampbalance.replication.authors_route import scheme_table, trial_table
+from dampbalance.replication.numbers import with_claims
 from dampbalance.studies import reading_study
 from dampbalance.studies.parameters import parameter
 from dampbalance.studies.shown.paragraph import paragraph
 
 
-def evidence(inputs, output, folder, case):
+def numbers(inputs):
+    return with_claims(read_csv(inputs.numbers), read_csv(inputs.claims, dtype=str))
+
+
+def evidence(inputs, output, case):
     return derived_numbers(
         case,
-        features=read_routes(folder, "features", case.frequencies_hz),
-        estimates=read_routes(folder, "estimates", case.frequencies_hz),
+        numbers=numbers(inputs),
         claims=read_csv(inputs.claims, dtype=str),
         approaches=read_csv(inputs.approaches),
         schemes=read_csv(output.schemes),
         cycles=read_csv(output.cycles),
-        unrounded=read_csv(inputs.unrounded),
     )
 
 
@@ -59,17 +63,15 @@ def environment(packages, citation):
 
 
 def figures(inputs, output, case):
-    claims = read_csv(inputs.claims, dtype=str)
+    joined = numbers(inputs)
     seen = Evidence(
-        claims=claims,
-        exact=read_csv(inputs.exact),
-        estimates=read_csv(inputs.as_published),
+        numbers=joined,
         schemes=read_csv(output.schemes),
         steps=pd.read_parquet(inputs.steps),
-        instants=sampling_instants(read_csv(output.cycles), claims),
+        instants=sampling_instants(read_csv(output.cycles), joined),
     )
     unit = case.numerics.tabulated["t_s_unit_s"]
-    figure = numerics(seen, case.oscillator, case.numerics.step_s, unit)
+    figure = draw_numerics(seen, case.oscillator, case.numerics.step_s, unit)
     save(figure, output.numerics_svg, output.numerics_png, ALT_OF_NUMERICS)
     findings = at_a_glance(seen, read_csv(inputs.approaches), case)
     save(glance(*findings), output.glance_svg, output.glance_png, GLANCE_ALT)
@@ -80,7 +82,7 @@ if __name__ == "__main__":
     case = Case.from_config(p.case)
     write_csv(o.schemes, scheme_table(case, p.frequency))
     write_csv(o.cycles, trial_table(case, p.frequency))
-    write_json(o.evidence, evidence(i, o, p.folder, case))
+    write_json(o.evidence, evidence(i, o, case))
     studies = map(of_study, i.study_files, i.study_cases, p.papers)
     write_json(o.studies, dict(zip(p.studies, studies, strict=True)))
     write_json(o.environment, environment(p.packages, i.citation))

@@ -6,19 +6,9 @@ from pathlib import Path
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_text
 from dampbalance.publishing.page.report import PageContent, report_page
+from dampbalance.replication.numbers import by_key, with_claims
+from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.reading_study import read_study
-
-TABLES = ("table1", "table2", "table3", "statistics")
-
-
-def read_tables(folder, case):
-    """Return frequency → name → table."""
-    return {
-        frequency: {
-            name: read_csv(f"{folder}/tables/{name}{case.suffix(frequency)}.csv") for name in TABLES
-        }
-        for frequency in case.frequencies_hz
-    }
 
 
 def read_text(file):
@@ -26,16 +16,18 @@ def read_text(file):
 
 
 def main(params, inputs):
-    config, folder = params.config, params.folder
+    config = params.config
     case = Case.from_config(config)
     studies = list(map(read_study, inputs.study_files, params.papers))
     claims = read_csv(inputs.claims, dtype=str) if inputs.claims else None
+    table = read_csv(inputs.numbers)
+    numbers = by_key(table if claims is None else with_claims(table, claims))
     return PageContent(
         case=case,
         config=config,
         claims=claims,
-        tables=read_tables(folder, case),
-        approaches=read_csv(f"{folder}/tables/approaches.csv"),
+        tables={name: paper_tables(numbers, name) for name in case.frequencies_hz},
+        approaches=read_csv(inputs.approaches),
         figures=dict(zip(params.figures, map(read_text, inputs.figures), strict=True)),
         evidence=json.loads(read_text(inputs.evidence)) if inputs.evidence else None,
         shown=json.loads(read_text(inputs.shown)) if inputs.shown else {},

@@ -15,11 +15,11 @@ import pandas as pd
 
 from ...balance import TERMS, viscous_integral
 from ...estimates import estimate_table
-from ...features import Features
+from ...features import FEATURE_COLUMNS, Features
 from ...figures.numerics import Damping, Evidence
 from ...model import Oscillator
 from ...project.case import Case
-from ...project.files import plain
+from ...project.files import ROUTES, plain
 from ...replication import comparison
 from ...replication.authors_route import (
     added_damping,
@@ -29,10 +29,19 @@ from ...replication.authors_route import (
 )
 from ...replication.claims import evidence as proof
 from ...replication.claims import unprinted
-from ...replication.claims.verdicts import VERDICTS, counts, of_cell, of_text
+from ...replication.claims.verdicts import VERDICTS, counts
 from ...replication.clean import CYCLES_TO_READ
+from ...replication.numbers import (
+    HARMONIC,
+    TABLE_2,
+    Key,
+    Numbers,
+    by_key,
+    features_of,
+    of_errors,
+    select,
+)
 from ...replication.read_out import ReadOut
-from ...replication.rebuilt_tables import TABLE_2, RouteTables
 from ...solver import Pair
 
 Json = dict[str, Any]
@@ -49,29 +58,30 @@ takes that phase in its pairs, and each level's φ in its least squares."""
 
 def derived_numbers(
     case: Case,
-    features: Mapping[str, Mapping[str, pd.DataFrame]],
-    estimates: Mapping[str, Mapping[str, pd.DataFrame]],
+    numbers: pd.DataFrame,
     claims: pd.DataFrame,
     approaches: pd.DataFrame,
     schemes: pd.DataFrame,
     cycles: pd.DataFrame,
-    unrounded: pd.DataFrame,
 ) -> Json:
     """Return all numbers of evidence.json, each group under the name of what it describes.
 
-    features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
+    numbers : of all routes, with what is printed (`numbers.with_claims`).   claims : the table of verdicts, as text.
     approaches, schemes, cycles : by `comparison.approaches_table`, `authors_route.scheme_table` and `trial_table`.
-    unrounded : features of the as-published simulation at the first frequency, before they are read.
 
     None stands for a number that does not exist, such as the relative error of a true value of zero.
     """
-    oscillator, pairs = case.oscillator, case.pairs
-    exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
+    oscillator, pairs, rows = case.oscillator, case.pairs, by_key(numbers)
+
+    def features_by(route: str, name: str) -> Features:
+        return features_of(rows, route, name, case.omega(name))
+
+    exact = {name: features_by("exact", name) for name in case.frequencies_hz}
     first, features_of_first = next(iter(exact.items()))
     terms = {name: balance_terms(of, oscillator) for name, of in exact.items()}
     errors = approaches.set_index("approach")
-    rebuilt = features["as_published"][first]
-    per_sample = 2.0 * rebuilt["V_s_m_per_s"] * case.numerics.step_s  # of a, for one sample more
+    rebuilt = features_by("as_published", first)
+    per_sample = 2.0 * rebuilt.V_s * case.numerics.step_s  # of a, for one sample more
     added = added_damping(case, float(features_of_first.omega[0]))
     return plain(
         {
@@ -89,8 +99,8 @@ def derived_numbers(
             "chance": proof.chance(claims),
             "routes": proof.by_route(claims),
             "choices": numbers_of_free_choices(case),
-            "table_3": proof.inputs_of_table_3(case, features["exact"][first], unrounded, claims),
-            "unprinted": left_open(case, features["exact"], claims),
+            "table_3": proof.inputs_of_table_3(case, rows),
+            "unprinted": left_open(case, exact, rows),
             "recipe": recipe(case, features_of_first),
             # of backward Euler near resonance, where c, as rounded, acts as c + mω²h, N s/m
             "dissipation": {
@@ -100,7 +110,7 @@ def derived_numbers(
                 "by_hand": damping_by_hand(case, first),
                 "relative": added / oscillator.c if oscillator.c else math.nan,
             },
-            "integrals": integral_deviations(features["exact"][first], rebuilt, claims, schemes),
+            "integrals": integral_deviations(features_of_first, rebuilt, numbers, schemes),
             "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
             "fourier_largest": {
                 term: errors.loc[["fourier"], f"{term}_largest_pair_error_percent"].max()
@@ -111,12 +121,10 @@ def derived_numbers(
             "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
             "two_point_largest": {  # of the pairs by Table 3's formulas
                 route: {
-                    name: comparison.largest_errors(
-                        RouteTables({}, of).pairs(frequency=name), oscillator
-                    )
-                    for name in of
+                    name: {term: rows[_two_point(name, term)][route] for term in TERMS}
+                    for name in exact
                 }
-                for route, of in estimates.items()
+                for route in ROUTES
             },
             "direct_largest": {  # with exact features at any frequency, %
                 term: errors.loc[["direct"]]
@@ -126,9 +134,9 @@ def derived_numbers(
                 for term in TERMS
             },
             # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
-            "slip_detected": _range((_printed(claims, "a") - rebuilt["a_m"]) / per_sample),
-            "step_from_W": step_from_work(claims, schemes, case),
-            "cycles": agreement_of_instants(sampling_instants(cycles, claims), claims),
+            "slip_detected": _range((_printed(numbers, "a") - rebuilt.a) / per_sample),
+            "step_from_W": step_from_work(numbers, schemes, case),
+            "cycles": agreement_of_instants(sampling_instants(cycles, numbers), numbers),
             "vocabulary": {
                 "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
                 "ways": comparison.WAYS_TO_COMPARE,
@@ -197,7 +205,7 @@ def numbers_of_free_choices(case: Case) -> Json:
     return {**{kind: len(of) for kind, of in choices.items()}, "list": choices}
 
 
-def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFrame) -> Json:
+def left_open(case: Case, exact: Mapping[str, Features], numbers: Numbers) -> Json:
     """Count how often unprinted read-outs exceed the largest error that the paper states at its last frequency.
 
     draws, seed : of the Monte Carlo.   spreads : half widths of X, µm, and φ, rad, and the share of draws above the
@@ -205,8 +213,8 @@ def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFram
     draws lies where X alone is rounded as for Table 3.
     """
     last, table = list(exact.items())[-1]
-    printed = claims.set_index("id")["printed"].get(of_text(f"max_error_{last}"))
-    bound = float(printed) if printed is not None else math.nan
+    printed = numbers[_two_point(last, "any")]["printed"]
+    bound = float(printed) if printed else math.nan
     spreads = unprinted.drawn(table, case, bound)
     (rounded,) = unprinted.drawn(table, case, bound, [unprinted.ROUNDED])
     return {
@@ -222,7 +230,7 @@ def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFram
 
 
 def integral_deviations(
-    exact: pd.DataFrame, rebuilt: pd.DataFrame, claims: pd.DataFrame, schemes: pd.DataFrame
+    exact: Features, rebuilt: Features, numbers: pd.DataFrame, schemes: pd.DataFrame
 ) -> Json:
     """Return the relative deviations of a, b and W of Table 2, as ranges over the levels.
 
@@ -239,12 +247,13 @@ def integral_deviations(
     }
     simulated = {(of, by): rows for (of, by), rows in schemes.groupby(["scheme", "coefficients"])}
     deviations: Json = {}
-    for name, _, column, _ in TABLE_2:
-        printed = _printed(claims, name)
-        from_rebuilt = np.abs(printed / rebuilt[column] - 1.0)
+    for name in TABLE_2:
+        printed, column = _printed(numbers, name), FEATURE_COLUMNS[name]
+        of_exact, of_rebuilt = getattr(exact, name), getattr(rebuilt, name)
+        from_rebuilt = np.abs(printed / of_rebuilt - 1.0)
         deviations[name] = {
-            "printed": _range(printed / exact[column] - 1.0),
-            "as_published": _range(rebuilt[column] / exact[column] - 1.0),
+            "printed": _range(printed / of_exact - 1.0),
+            "as_published": _range(of_rebuilt / of_exact - 1.0),
             "printed_from_rebuilt": _range(from_rebuilt),
             "printed_from_rebuilt_beyond_first": _range(from_rebuilt[1:]),
             **{
@@ -256,7 +265,7 @@ def integral_deviations(
     return deviations
 
 
-def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
+def step_from_work(numbers: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
     """Return the step, µs, at which backward Euler gives each printed W of Table 2, by way of rounding c/m and k/m.
 
     Its error is proportional to h, and Runge–Kutta with the same coefficients gives W for h → 0.
@@ -268,7 +277,7 @@ def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> J
     for rounding in ("rounded", "c_over_m", "exact"):
         of = W.loc[W["coefficients"] == rounding, "W_J"]
         euler, limit = (of[name].to_numpy() for name in ("backward-euler", "rk4"))
-        share = (_printed(claims, "W") - limit) / (euler - limit)
+        share = (_printed(numbers, "W") - limit) / (euler - limit)
         steps[rounding] = _range(1e6 * case.numerics.step_s * share)
     return steps
 
@@ -277,7 +286,7 @@ SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m"]
 """The columns of `authors_route.trial_table` that name one simulation."""
 
 
-def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFrame:
+def sampling_instants(cycles: pd.DataFrame, numbers: pd.DataFrame) -> pd.DataFrame:
     """Return the sampling instant within a step that each printed a implies, in each cycle of each simulation.
 
     Adds a column instant: the part of a step by which a level deviates from the mean of its cycle, between −1/2 and
@@ -287,13 +296,13 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFram
     cycles : the table of `authors_route.trial_table`.
     """
     per_step = 2.0 * cycles["V_s_m_per_s"] * cycles["step_s"]
-    printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]
+    printed = _printed(numbers, "a")[cycles["level"].to_numpy() - 1]
     turns = np.exp(2j * np.pi * (printed - cycles["a_m"]) / per_step)
     mean = turns.groupby([cycles[name] for name in [*SIMULATION, "cycle"]]).transform("mean")
     return cycles.assign(instant=np.angle(turns / mean) / (2.0 * np.pi))
 
 
-def agreement_of_instants(instants: pd.DataFrame, claims: pd.DataFrame) -> Json:
+def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Json:
     """Return how well the printed a of all levels agree on one sampling instant, in steps, by trial.
 
     spread : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles.
@@ -303,7 +312,7 @@ def agreement_of_instants(instants: pd.DataFrame, claims: pd.DataFrame) -> Json:
 
     instants : by `sampling_instants`.
     """
-    W = _printed(claims, "W")[instants["level"].to_numpy() - 1]
+    W = _printed(numbers, "W")[instants["level"].to_numpy() - 1]
     sizes = instants.assign(spread=instants["instant"].abs(), W=(instants["W_J"] / W - 1.0).abs())
     spreads = sizes.groupby([*SIMULATION, "cycle"])["spread"].max().groupby("trial")
     of_damping = sizes[sizes["trial"] == "other_damping"].groupby("c_N_s_per_m")
@@ -326,13 +335,12 @@ def at_a_glance(
 
     evidence : what the figure of the numerics draws.   approaches : the table of `comparison.approaches_table`.
     """
-    estimates, c = evidence.estimates, case.oscillator.c
-    fits = estimates[estimates["kind"] == "least_squares"].set_index("approach")
+    c, fit = case.oscillator.c, ("c", "least_squares", "direct")
     damping = Damping(
         true=c,
-        added=added_damping(case, float(evidence.exact["omega_rad_per_s"].iloc[0])),
-        rebuilt=float(fits["c_N_s_per_m"]["direct"]),
-        printed=float(evidence.printed("text.c_direct_ls")[0]),
+        added=added_damping(case, case.omega(next(iter(case.frequencies_hz)))),
+        rebuilt=float(evidence.of("as_published", *fit).iloc[0]),
+        printed=float(evidence.printed(*fit)[0]),
     )
     ways = approaches.set_index(list(comparison.WAY))["F_k_error_percent"]
     errors = {
@@ -348,12 +356,11 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
     pair : size of the largest error of all pairs.   least_squares : error with its sign.
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
-    rows = table[table["approach"] == "fourier"]
-    pair, fit = (rows[rows["kind"] == kind] for kind in ("pair", "least_squares"))
-    errors = comparison.relative_errors(fit, oscillator).items()
+    errors = of_errors("", table[table["approach"] == "fourier"], oscillator)
+    kinds = {"pair": "largest", "least_squares": "least_squares"}
     return {
-        "pair": comparison.largest_errors(pair, oscillator),
-        "least_squares": {name: float(error.iloc[0]) for name, error in errors},
+        name: {term: errors[Key("", term, "fourier", kind, unit="%")] for term in TERMS}
+        for name, kind in kinds.items()
     }
 
 
@@ -389,10 +396,15 @@ def balance_terms(features: Features, oscillator: Oscillator) -> Json:
     }
 
 
-def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
+def _two_point(frequency: str, quantity: str) -> Key:
+    """Return the key of the largest error of the pairs by the formulas of Table 3."""
+    return Key(frequency, quantity, HARMONIC, "largest", "", "common", unit="%")
+
+
+def _printed(numbers: pd.DataFrame, name: str) -> np.ndarray:
     """Return the printed a, b or W of Table 2, level by level."""
-    in_column = claims["id"].str.startswith(of_cell("table2", name))
-    return claims.loc[in_column, "printed"].astype(float).to_numpy()
+    texts = select(numbers, quantity=name, kind="level")["printed"]
+    return texts[texts != ""].astype(float).to_numpy()
 
 
 def _range(values: Any) -> Json:

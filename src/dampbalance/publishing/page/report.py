@@ -31,7 +31,7 @@ from ...project.documents import read_yaml
 from ...project.wording import minus, number_text, percent, signed_percent, unit_text
 from ...replication.claims import verdicts as judged
 from ...replication.comparison import WAY, mends, off_resonance
-from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
+from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks
 from ...studies.study_file import Study
 from .. import words
 from ..colours import css_variables
@@ -58,7 +58,7 @@ class PageContent:
 
     case : as configured.   config : the merged configuration, to be listed.
     claims : `claims.csv` as text, or None for a case with nothing printed.
-    tables : frequency → name → frame of `rebuilt_tables.COLUMNS`.   approaches : tables/approaches.csv.
+    tables : frequency → `rebuilt_tables.paper_tables`.   approaches : tables/approaches.csv.
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
     evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
@@ -95,11 +95,8 @@ def report_page(content: PageContent, page: str) -> str:
     claims = printed.to_dict("index")
     counted = judged.counts(printed) if claims else []
     tables = (
-        [
-            (TITLES[name], list(_parts(table, name, {} if n else claims)))
-            for name, table in of.items()
-        ]
-        for n, of in enumerate(map(content.tables.__getitem__, frequencies))
+        [(TITLES[name], list(_parts(table, claims))) for name, table in content.tables[of].items()]
+        for of in frequencies
     )
     figures = {name: _figure(f"drawing-{name}", svg) for name, svg in content.figures.items()}
     studies = {study.name: _study(content, study, svg) for study, svg in content.studies}
@@ -147,7 +144,7 @@ def report_page(content: PageContent, page: str) -> str:
 
 
 def _parts(
-    table: pd.DataFrame, name: str, claims: Mapping[Any, Mapping[Any, Any]]
+    table: pd.DataFrame, claims: Mapping[Any, Mapping[Any, Any]]
 ) -> Iterator[dict[str, Any]]:
     """Yield a table as the paper lays it out, in parts whose rows share their quantities.
 
@@ -155,27 +152,23 @@ def _parts(
     groups : a row's label and its lines, (route, cells) each, the printed one first where there is one; a cell is its
     text, and for a printed number the verdict and the claim that gives the reason.
 
-    table : a frame of `rebuilt_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
+    table : of `rebuilt_tables.paper_tables`.
     claims : id → row of the table of claims, from which the cells take their digits on the way, {} for none.
     """
-    places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
     for quantities, block in blocks(table):
         groups = []
         for label, rows in block.groupby("row", sort=False):
-            cells = {
-                claim_of(name, str(label), places[label], str(cell["quantity"])): cell
-                for cell in rows.to_dict("records")
-            }
+            cells = rows.to_dict("records")
             printed = [
-                (_typeset(text), judged.VERDICTS[cell["verdict"]] if text else None, claim)
-                for claim, cell in cells.items()
+                (_typeset(text), judged.VERDICTS[cell["verdict"]] if text else None, cell["id"])
+                for cell in cells
                 for text in [cell["printed"]]
             ]
             lines = [("printed", printed)] if any(text for text, *_ in printed) else []
             for route in SHOWN_ROUTES:
                 texts = (
-                    claims.get(claim, {}).get(route, "") or number_text(float(cell[route]))
-                    for claim, cell in cells.items()
+                    claims.get(cell["id"], {}).get(route, "") or number_text(float(cell[route]))
+                    for cell in cells
                 )
                 lines.append(
                     (judged.ROUTE_NAMES[route], [(_typeset(text), None, "") for text in texts])

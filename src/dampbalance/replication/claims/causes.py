@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from ...arrays import Array
 from ...balance import Rows
@@ -19,12 +18,11 @@ from ...features import Features
 from ...project.case import Case
 from ...solver import least_squares, levels_of
 from ..authors_route import effective_damping, estimates
+from ..numbers import TABLE_2, Key, of_estimates
 from ..read_out import ReadOut
-from ..rebuilt_tables import COLUMN_OF, TABLE_2, RouteTables
 from .cross_checks import agrees
 from .judging import TIME_UNIT_S, VELOCITY_MARK, NumberRange, range_text
 from .print import PAIR_LABELS, PAIRS, Printed, Published, Row
-from .verdicts import of_cell
 
 
 def backward_euler(case: Case, values: Mapping[str, float]) -> str:
@@ -39,22 +37,23 @@ def backward_euler(case: Case, values: Mapping[str, float]) -> str:
     )
 
 
-def implied_b(published: Published, level: str | int) -> tuple[str, str]:
+def implied_b(published: Published, level: int) -> tuple[str, str]:
     """Compare a printed b with b = (W − a F_k)/c of the printed pairs: two contradictions, "" where there is none.
 
     The first refutes b and the pairs with this level alike: they were computed with this b, and the F_k and c of all
     other pairs balance the level with another one only. The second refutes b alone: the pairs were computed with
     another one. Each b is as sharp as the rounding of a, W, F_k and c lets it be.
     """
-    b, a, W = (published[of_cell("table2", symbol, level)] for symbol in "baW")
+    b, a, W = (published.column(symbol)[level - 1].number for symbol in "baW")
+    pairs = [published.column(symbol, "pair", "direct") for symbol in ("F_k", "c")]
 
     def implied(with_it: bool) -> tuple[str, list[bool]]:
         """Return the range of b by the pairs with this level or by the others; for each, whether it excludes print."""
         values, excluded = [], []
-        for label in PAIR_LABELS:
-            if (int(level) in levels_of(label)) is not with_it:
+        for of_F_k, of_c in zip(*pairs, strict=True):
+            if (level in levels_of(of_c.line)) is not with_it:
                 continue
-            F_k, c = (published[of_cell("table2", symbol, label)] for symbol in ("F_k", "c"))
+            F_k, c = of_F_k.number, of_c.number
             values.append((W.value - a.value * F_k.value) / c.value)
             rounding = a.value * F_k.unit + F_k.value * a.unit + b.value * c.unit + W.unit
             slack = 0.5 * (b.unit + rounding / c.value)
@@ -62,7 +61,7 @@ def implied_b(published: Published, level: str | int) -> tuple[str, str]:
         return range_text((min(values), max(values)), b), excluded
 
     (used, not_used), (wanted, not_wanted) = implied(with_it=True), implied(with_it=False)
-    names = " and ".join(label for label in PAIR_LABELS if int(level) in levels_of(label))
+    names = " and ".join(label for label in PAIR_LABELS if level in levels_of(label))
     if any(not_used):
         return "", f"It contradicts Table 2 itself: the printed pairs {names} give b = {used}."
     if all(not_wanted):
@@ -158,34 +157,32 @@ def starting_sample(case: Case, level: int) -> str:
 
 def other_b(
     published: Published,
-    as_published: RouteTables,
+    simulated: Features,
     allowed: Mapping[str, NumberRange | None],
     row: Row,
 ) -> str:
     """Return the pair with the b that print needs, where a printed b is not the simulated one and that explains it.
 
-    allowed : what the printed tables allow, `Sources.allowed`.   row : of the pair.
+    simulated : as published.   allowed : what the printed tables allow, `Sources.allowed`.   row : of the pair.
     """
-    pair = PAIRS[PAIR_LABELS.index(row.id.line)]
-    a, b, W = (
-        np.array([as_published.feature(q.column, level + 1) for level in pair]) for q in TABLE_2
-    )
+    pair = PAIRS[PAIR_LABELS.index(row.line)]
+    a, b, W = (getattr(simulated, symbol)[list(pair)] for symbol in TABLE_2)
     if not np.all(np.isfinite([a, b, W])):
         return ""
     notes = []
     for place, level in enumerate(pair):
-        cell, simulated = of_cell("table2", "b", level + 1), float(b[place])
-        used, number = allowed[cell], published[cell]
-        if used is None or abs(simulated / number.unit - number.value / number.unit) <= 0.5:
+        cell, simulated_b = published.column("b")[level], float(b[place])
+        used, number = allowed[cell.id], cell.number
+        if used is None or abs(simulated_b / number.unit - number.value / number.unit) <= 0.5:
             continue
         b[place] = needed = 0.5 * (used[0] + used[1])
         notes.append(
             f"b_{level + 1} = {number.show(needed, 2)}, which the printed pairs need "
-            f"(simulated: {number.show(simulated, 2)})"
+            f"(simulated: {number.show(simulated_b, 2)})"
         )
     if not notes:
         return ""
-    value = float(least_squares(Rows({"F_k": a, "c": b}, W))[row.symbol])
+    value = float(least_squares(Rows({"F_k": a, "c": b}, W))[row.quantity])
     units = (value - row.number.value) / row.number.unit
     pair_is = (
         f"the as-published pair is {row.number.show(value, 2)} ({round(units, 1) + 0.0:+.1f} units)"
@@ -219,20 +216,20 @@ def cut_off(value: float, number: Printed) -> str:
 
 
 class _Read(NamedTuple):
-    """A feature that is read: keys of its rules in the configuration, words for how it reads, and the columns whose sum
-    reads so, with its format, scale and unit."""
+    """A feature that is read: keys of its rules in the configuration, words for how it reads, and the features whose
+    sum reads so, with its format, scale and unit."""
 
     keys: tuple[str, ...]
     words: str
-    columns: tuple[str, ...]
+    features: tuple[str, ...]
     digits: str
     scale: float
     unit: str
 
-    def shown(self, tables: RouteTables, label: str) -> str:
+    def shown(self, read: Features, label: str) -> str:
         """Return how the feature reads at the levels of a pair; once if it reads the same."""
         sums = (
-            math.fsum(tables.feature(column, level) for column in self.columns)
+            math.fsum(getattr(read, name)[level - 1] for name in self.features)
             for level in levels_of(label)
         )
         texts = [f"{self.scale * value:{self.digits}} {self.unit}" for value in sums]
@@ -242,47 +239,40 @@ class _Read(NamedTuple):
 _X_s = ("X_s_mark_m", "X_s_decimals")
 _t_s = ("t_s_inset_s", "t_s_unit_s", "common_t_s_decimals")
 _READ = (
-    _Read(("X_decimals",), "X read as", ("X_m",), "g", 1e3, "mm"),
-    _Read(_X_s, "X + X_s read as", ("X_m", "X_s_m"), ".4g", 1e6, "µm"),
-    _Read(("V_s_decimals",), "V_s read as", ("V_s_m_per_s",), "g", 1e3, "mm/s"),
-    _Read(_t_s, "one t_s of", ("t_s_s",), "g", 1e3, "ms"),
-    _Read(("phi_decimals", "common_phi_decimals"), "one phi of", ("phi_rad",), ".6g", 1.0, "rad"),
+    _Read(("X_decimals",), "X read as", ("X",), "g", 1e3, "mm"),
+    _Read(_X_s, "X + X_s read as", ("X", "X_s"), ".4g", 1e6, "µm"),
+    _Read(("V_s_decimals",), "V_s read as", ("V_s",), "g", 1e3, "mm/s"),
+    _Read(_t_s, "one t_s of", ("t_s",), "g", 1e3, "ms"),
+    _Read(("phi_decimals", "common_phi_decimals"), "one phi of", ("phi",), ".6g", 1.0, "rad"),
 )
 
 
-def rules_at_work(
-    case: Case, exact_route: RouteTables, unrounded: pd.DataFrame
-) -> Callable[[Row], str]:
+def rules_at_work(case: Case, exact: Features, unrounded: Features) -> Callable[[Row], str]:
     """Return a function of a row that says what moves that number of Table 3 from exact, in a sentence.
 
     Named are the largest share, and every other that moves the number by half a unit of its last printed digit.
-    Arguments as in `Sources`.
+
+    exact, unrounded : features at ω1 by these routes.
     """
-    if "omega1" not in exact_route.features or unrounded.empty:
-        return lambda row: ""
     configured = {key: rule for key, rule in case.numerics.two_point.items() if rule is not None}
 
-    def pairs(frame: pd.DataFrame, *keys: str) -> RouteTables:
-        features = Features.from_frame(frame)
+    def pairs(features: Features, *keys: str) -> tuple[Features, dict[Key, float]]:
         rules = {key: configured[key] for key in keys if key in configured}
         read = ReadOut.from_config(rules).common(features)
         table = estimates(features, read, replace(case, pairs=PAIRS))
-        return RouteTables({"omega1": read.to_frame()}, {"omega1": table})
+        return read, of_estimates("omega1", table)
 
-    exact, unread = pairs(exact_route.features["omega1"]), pairs(unrounded)
-    read = {
+    (_, of_exact), (_, unread) = pairs(exact), pairs(unrounded)
+    readings = {
         feature: pairs(unrounded, *feature.keys)
         for feature in _READ
         if not configured.keys().isdisjoint(feature.keys)
     }
 
     def sentence(row: Row) -> str:
-        def value(tables: RouteTables) -> float:
-            return tables.estimate(COLUMN_OF[row.symbol], row.approach, pair=row.id.line)
-
-        shifts = {"the simulation": value(unread) - value(exact)}
-        for feature, tables in read.items():
-            shifts[feature.shown(tables, row.id.line)] = value(tables) - value(unread)
+        shifts = {"the simulation": unread[row.key] - of_exact[row.key]}
+        for feature, (read, table) in readings.items():
+            shifts[feature.shown(read, row.line)] = table[row.key] - unread[row.key]
         if not all(map(math.isfinite, shifts.values())):
             return ""
         first, *others = sorted(shifts, key=lambda what: -abs(shifts[what]))
