@@ -28,7 +28,6 @@ if config["published"]:
         input:
             numbers=rules.numbers.output.csv,
             claims=rules.claims.output.csv,
-            approaches=f"{RESULTS}/tables/approaches.csv",
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
             study_cases=expand(rules.study_cases.output.cases, study=ARTICLE_STUDIES),
             study_files=study_files(ARTICLE_STUDIES),
@@ -40,15 +39,12 @@ if config["published"]:
             **figure_files("glance", "The findings at a glance"),
             schemes=f"{ARTICLE}/schemes.csv",
             cycles=f"{ARTICLE}/cycles.csv",
-            evidence=f"{ARTICLE}/evidence.json",
-            studies=f"{ARTICLE}/studies.json",
-            environment=f"{ARTICLE}/environment.json",
+            derived=f"{RESULTS}/derived.csv",
         priority: NEXT
         params:
             papers=lambda wildcards: [*map(study_defaults, ARTICLE_STUDIES)],
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
             frequency=FREQUENCIES[0],
-            studies=ARTICLE_STUDIES,
             packages=ARTICLE_PACKAGES,
         message:
             "Article: its numbers and figures"
@@ -57,15 +53,9 @@ if config["published"]:
 
     # The files that the article reads its numbers from, in the order of its list of sources, and the rule that makes each.
     ARTICLE_SOURCES = {
-        f"{ARTICLE}/evidence.json": "article_numbers",
-        f"{ARTICLE}/schemes.csv": "article_numbers",
+        f"{RESULTS}/derived.csv": "article_numbers",
+        f"{RESULTS}/numbers.csv": "numbers",
         f"{RESULTS}/claims.csv": "claims",
-        f"{RESULTS}/tables/approaches.csv": "tables",
-        f"{ARTICLE}/studies.json": "article_numbers",
-        f"{RESULTS}/tables/table1.csv": "tables",
-        f"{RESULTS}/tables/table2.csv": "tables",
-        f"{RESULTS}/tables/table3.csv": "tables",
-        f"{ARTICLE}/environment.json": "article_numbers",
     }
 
     rule article:

@@ -21,10 +21,8 @@ rule page:
     input:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         numbers=rules.numbers.output.csv,
-        approaches=f"{RESULTS}/tables/approaches.csv",
         figures=list(PAGE_FIGURES.values()),
-        evidence=rules.article_numbers.output.evidence if config["published"] else [],
-        shown=rules.article_numbers.output.studies if config["published"] else [],
+        derived=rules.article_numbers.output.derived if config["published"] else [],
         study_files=study_files(PAGE_STUDIES),
         study_figures=expand(f"{STUDY_RESULTS}/{{study}}/figure.svg", study=PAGE_STUDIES),
         code=PACKAGE,

@@ -11,69 +11,38 @@ from importlib.metadata import metadata, version
 
 import pandas as pd
 
-from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance
-from dampbalance.figures.numerics import numerics as draw_numerics
+from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance, numerics
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.documents import read_yaml
-from dampbalance.project.files import read_csv, write_csv, write_json
+from dampbalance.project.files import read_csv, write_csv, write_rows
 from dampbalance.publishing.article import compiling
-from dampbalance.publishing.article.derived_numbers import (
-    at_a_glance,
-    derived_numbers,
-    sampling_instants,
-)
+from dampbalance.publishing.article import derived_numbers as derived
 from dampbalance.publishing.provenance.manifest import software
 from dampbalance.replication.authors_route import scheme_table, trial_table
 from dampbalance.replication.numbers import with_claims
-from dampbalance.studies import reading_study
-from dampbalance.studies.parameters import parameter
+from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 
 
-def numbers(inputs):
-    return with_claims(read_csv(inputs.numbers), read_csv(inputs.claims, dtype=str))
+def of_studies(inputs, papers):
+    for file, cases, paper in zip(inputs.study_files, inputs.study_cases, papers, strict=True):
+        study = read_study(file, paper)
+        yield from derived.of_study(study, *paragraph(study, cases)).items()
 
 
-def evidence(inputs, output, case):
-    return derived_numbers(
-        case,
-        numbers=numbers(inputs),
-        claims=read_csv(inputs.claims, dtype=str),
-        approaches=read_csv(inputs.approaches),
-        schemes=read_csv(output.schemes),
-        cycles=read_csv(output.cycles),
-    )
+def of_environment(packages, citation):
+    needed = metadata("dampbalance")["Requires-Python"].replace(">=", "≥ ")
+    stated = software(read_yaml(citation))
+    versions = {name: version(name) for name in packages}
+    return derived.of_environment(versions, compiling.version(), needed, stated)
 
 
-def of_study(file, cases, paper):
-    study = reading_study.read_study(file, paper)
-    text, numbers = paragraph(study, cases)
-    ranges = {name: study.extent(name) for name in study.axis_names if not parameter(name).is_word}
-    return {"cases": study.cases, "numbers": numbers, "ranges": ranges, "paragraph": text}
-
-
-def environment(packages, citation):
-    return {
-        "python": metadata("dampbalance")["Requires-Python"].replace(">=", "≥ "),
-        "packages": {name: version(name) for name in packages},
-        "typesetter": compiling.version(),
-        "software": software(read_yaml(citation)),
-    }
-
-
-def figures(inputs, output, case):
-    joined = numbers(inputs)
-    seen = Evidence(
-        numbers=joined,
-        schemes=read_csv(output.schemes),
-        steps=pd.read_parquet(inputs.steps),
-        instants=sampling_instants(read_csv(output.cycles), joined),
-    )
+def figures(seen, output, case):
     unit = case.numerics.tabulated["t_s_unit_s"]
-    figure = draw_numerics(seen, case.oscillator, case.numerics.step_s, unit)
+    figure = numerics(seen, case.oscillator, case.numerics.step_s, unit)
     save(figure, output.numerics_svg, output.numerics_png, ALT_OF_NUMERICS)
-    findings = at_a_glance(seen, read_csv(inputs.approaches), case)
+    findings = derived.at_a_glance(seen, case)
     save(glance(*findings), output.glance_svg, output.glance_png, GLANCE_ALT)
 
 
@@ -82,8 +51,11 @@ if __name__ == "__main__":
     case = Case.from_config(p.case)
     write_csv(o.schemes, scheme_table(case, p.frequency))
     write_csv(o.cycles, trial_table(case, p.frequency))
-    write_json(o.evidence, evidence(i, o, case))
-    studies = map(of_study, i.study_files, i.study_cases, p.papers)
-    write_json(o.studies, dict(zip(p.studies, studies, strict=True)))
-    write_json(o.environment, environment(p.packages, i.citation))
-    figures(i, o, case)
+    schemes, cycles = read_csv(o.schemes), read_csv(o.cycles)
+    claims = read_csv(i.claims, dtype=str)
+    numbers = with_claims(read_csv(i.numbers), claims)
+    own = derived.derived_numbers(case, numbers, claims, schemes, cycles)
+    rest = dict(of_studies(i, p.papers)) | of_environment(p.packages, i.citation)
+    write_rows(o.derived, derived.table(own | rest))
+    instants = derived.sampling_instants(cycles, numbers)
+    figures(Evidence(numbers, schemes, pd.read_parquet(i.steps), instants), o, case)

@@ -30,8 +30,9 @@ from ...project.case import Case
 from ...project.documents import read_yaml
 from ...project.wording import minus, number_text, percent, signed_percent, unit_text
 from ...replication.claims import verdicts as judged
-from ...replication.comparison import WAY, mends, off_resonance
-from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks
+from ...replication.comparison import WAY, approaches_table, mends, off_resonance
+from ...replication.numbers import Numbers
+from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, paper_tables
 from ...studies.study_file import Study
 from .. import words
 from ..colours import css_variables
@@ -57,22 +58,20 @@ class PageContent:
     """Content of the page.
 
     case : as configured.   config : the merged configuration, to be listed.
+    numbers : of all routes, with what is printed, if anything is (`numbers.with_claims`).
     claims : `claims.csv` as text, or None for a case with nothing printed.
-    tables : frequency → `rebuilt_tables.paper_tables`.   approaches : tables/approaches.csv.
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
-    evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
-    the article has them.   studies : (study, its figure as SVG).   study_folder : where their results stand.
+    derived : id → value of derived.csv as text, {} for a case with nothing printed.
+    studies : (study, its figure as SVG).   study_folder : where their results stand.
     """
 
     case: Case
     config: Mapping[str, Any]
+    numbers: Numbers
     claims: pd.DataFrame | None
-    tables: Mapping[str, Mapping[str, pd.DataFrame]]
-    approaches: pd.DataFrame
     figures: Mapping[str, str]
-    evidence: Mapping[str, Any] | None = None
-    shown: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    derived: Mapping[str, str] = field(default_factory=dict)
     studies: Sequence[tuple[Study, str]] = ()
     study_folder: str = "results/studies"
 
@@ -88,14 +87,15 @@ def report_page(content: PageContent, page: str) -> str:
 
     Warns where it is larger than LARGEST_PAGE.
     """
-    case, frequencies, approaches = content.case, content.case.frequencies_hz, content.approaches
+    case, frequencies, numbers = content.case, content.case.frequencies_hz, content.numbers
+    approaches = approaches_table(numbers, frequencies)
     printed = (
         pd.DataFrame() if content.claims is None else content.claims.set_index("id", drop=False)
     )
     claims = printed.to_dict("index")
     counted = judged.counts(printed) if claims else []
     tables = (
-        [(TITLES[name], list(_parts(table, claims))) for name, table in content.tables[of].items()]
+        [(TITLES[n], list(_parts(table, claims))) for n, table in paper_tables(numbers, of).items()]
         for of in frequencies
     )
     figures = {name: _figure(f"drawing-{name}", svg) for name, svg in content.figures.items()}
@@ -124,8 +124,7 @@ def report_page(content: PageContent, page: str) -> str:
         studies=studies,
         origins=ORIGINS,
         configuration=wording.dotted(content.config),
-        evidence=content.evidence,
-        numbers={name: of["numbers"] for name, of in content.shown.items()},
+        derived=content.derived,
         css_variables=css_variables,
         style="".join(map(_static, STYLES)),
         script="\n".join(map(_static, SCRIPTS)),
@@ -181,7 +180,7 @@ def _parts(
 def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
     """Return the figure of a study, with what it shows: in its first sentence, and in more."""
     name = study.name.replace("_", "-")
-    first, _, more = content.shown[study.name]["paragraph"].partition(". ")
+    first, _, more = content.derived[f"study.{study.name}.paragraph"].partition(". ")
     cases = f"{content.study_folder}/{study.name}/cases.parquet"
     files = (cases, f"config/studies/{study.name}.yaml")
     return {
@@ -223,8 +222,8 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich_markup(label_of(key)),
-        "bound": lambda error: f"{wording.power_of_ten(error)} %",
-        "significant": number_text,
+        "bound": lambda error: f"{wording.power_of_ten(float(error))} %",
+        "significant": lambda value, digits: number_text(float(value), digits),
         "unit": unit_text,
         "part": lambda claim: judged.PARTS_OF_THE_PAPER[judged.part_of(claim)],
         "error": _error,
