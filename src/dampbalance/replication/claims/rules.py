@@ -15,17 +15,13 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from ...balance import TERMS, takes_phase
 from ...estimates import estimate_table
-from ...features import Features
 from ...project.case import Case
 from ...project.files import ROUTES
 from ...project.wording import cut
-from ...solver import levels_of
-from ..authors_route import CORRECTED
 from ..numbers import (
     HARMONIC,
     HARMONIC_APPROACHES,
@@ -33,13 +29,12 @@ from ..numbers import (
     PRINTED_APPROACHES,
     UNITS,
     Key,
-    Numbers,
-    features_of,
 )
 from ..read_out import ReadOut
-from . import causes, cross_checks, judging, unprinted
-from .judging import HALF, WRITTEN, Claim, NumberRange, Tolerance
-from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIR_LABELS, PAIRS, Printed, Published, Row
+from . import causes, judging, unprinted
+from .causes import Joined, Sources
+from .judging import HALF, WRITTEN, Claim, Tolerance
+from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIR_LABELS, PAIRS, Published, Row
 from .verdicts import ROUTE_NAMES, ClaimKind
 
 
@@ -51,65 +46,6 @@ def require_paper(case: Case) -> None:
         )
     if len(case.levels_m) != LEVELS:
         raise ValueError(f"claims need the five levels of the paper, got {len(case.levels_m)}")
-
-
-@dataclass(frozen=True)
-class Sources:
-    """All that claims are judged from, and what is computed from it once for many of them.
-
-    published : the printed numbers.   case : as configured.   numbers : of all routes.
-
-    refuted, by_table_2, by_table_3, misfits : by `cross_checks`.   allowed : by both tables.
-    rules_at_work : what moves the number of a row of Table 3.
-    """
-
-    published: Published
-    case: Case
-    numbers: Numbers
-
-    refuted = cached_property(lambda self: cross_checks.refuted(self.published, self.case))
-    by_table_2 = cached_property(lambda self: cross_checks.by_table_2(self.published))
-    by_table_3 = cached_property(lambda self: cross_checks.by_table_3(self.published, self.case))
-    allowed = cached_property(lambda self: self.by_table_2 | self.by_table_3)
-    misfits = cached_property(lambda self: cross_checks.misfits(self.published, self.case))
-    as_published = cached_property(lambda self: self.features("as_published"))
-    rules_at_work = cached_property(
-        lambda self: causes.rules_at_work(
-            self.case, self.features("exact"), self.features("unrounded")
-        )
-    )
-
-    def features(self, route: str, frequency: str = "omega1") -> Features:
-        """Return the features of all levels by a route."""
-        return features_of(self.numbers, route, frequency, self.case.omega(frequency))
-
-
-@dataclass(frozen=True)
-class Joined:
-    """A printed number joined with what the routes give for it."""
-
-    sources: Sources
-    row: Row
-
-    @cached_property
-    def values(self) -> dict[str, float]:
-        """What each route gives."""
-        return self.of()
-
-    def of(self, **other: str) -> dict[str, float]:
-        """Return what each route gives for the same number, except for these fields of its key."""
-        numbers = self.sources.numbers.get(self.row.key._replace(**other), {})
-        return {route: numbers.get(route, math.nan) for route in (*ROUTE_NAMES, "unrounded")}
-
-    @property
-    def number(self) -> Printed:
-        """The number as it is printed."""
-        return self.row.number
-
-    @property
-    def allowed(self) -> NumberRange | None:
-        """The range that the paper's other numbers leave, if they leave one."""
-        return self.sources.allowed.get(self.row.id)
 
 
 Sentence = Callable[[Joined], str]
@@ -183,101 +119,18 @@ def _configured(joined: Joined) -> tuple[bool, str]:
 # ---- Tables ---------------------------------------------------------------------------------------------------------
 
 
-def _refuted(joined: Joined) -> str:
-    return joined.sources.refuted.get(joined.row.id, "")
-
-
 def _uncut(joined: Joined) -> dict[str, float]:
     """Return where the exact route of a time belongs: at the simulated one, of which the print keeps whole tenths."""
     simulated = joined.values["unrounded"]
     return {} if math.isnan(simulated) else {"exact": simulated}
 
 
-def _phase(joined: Joined) -> str:
-    crossing = joined.of(quantity="phi_zero_crossing")["exact"]
-    return causes.phase(joined.values["exact"], crossing, joined.number)
-
-
-def _slip_velocity(joined: Joined) -> str:
-    sample = joined.of(quantity="V_s_at_sample")["unrounded"]
-    return causes.slip_velocity_as_read(
-        sample, joined.number, joined.sources.published.values("V_s")
-    )
-
-
-def _slip_time(joined: Joined) -> str:
-    step = joined.sources.case.numerics.step_s
-    return causes.slip_time_as_read(joined.values["exact"], step, joined.number)
-
-
-def _dissipation(joined: Joined) -> str:
-    """State by how much the simulation damps, which F_k does not show."""
-    case, values = joined.sources.case, joined.values
-    return "" if joined.row.quantity == "F_k" else causes.backward_euler(case, values)
-
-
-def _starting_sample(joined: Joined) -> str:
-    return causes.starting_sample(joined.sources.case, int(joined.row.line))
-
-
-def _implied_b(joined: Joined) -> str:
-    """State that the printed pairs refute a b."""
-    level, published = int(joined.row.line), joined.sources.published
-    return "".join(causes.implied_b(published, level)) if joined.row.quantity == "b" else ""
-
-
-def _other_b(joined: Joined) -> str:
-    s = joined.sources
-    return causes.other_b(s.published, s.as_published, s.allowed, joined.row)
-
-
-def _unbalanced(joined: Joined) -> str:
-    """State that a level of the pair has a b that other pairs refute."""
-    levels = levels_of(joined.row.line)
-    implied = (causes.implied_b(joined.sources.published, level)[0] for level in levels)
-    said = " ".join(filter(None, implied))
-    return said and f"{said} {_other_b(joined)}".strip()
-
-
-def _outside(table: str) -> Sentence:
-    return lambda joined: causes.outside(joined.allowed, joined.number, table)
-
-
 def _simulated(joined: Joined) -> tuple[Tolerance, ...]:
-    return judging.simulated(joined.number, joined.sources.case)
-
-
-def _sign(joined: Joined) -> str:
-    correct = _correct(joined)
-    as_published, misfits = joined.values["as_published"], joined.sources.misfits
-    return causes.sign(as_published, correct, joined.row.unit, misfits)
-
-
-def _correct(joined: Joined) -> float:
-    """Return the as-published pair without the slip of sign of the V_s columns."""
-    own = joined.row.approach
-    return joined.of(approach=CORRECTED if own == "V_s" else own)["as_published"]
+    return judging.simulated(joined.number, joined.case)
 
 
 def _without_slip(joined: Joined) -> dict[str, float]:
-    return {"exact": _correct(joined)} if _sign(joined) else {}
-
-
-# ---- Text -----------------------------------------------------------------------------------------------------------
-
-
-def _inputs(joined: Joined) -> str:
-    direct = joined.row.approach == "direct"
-    inputs = "Table 2's integrals" if direct else "Table 1's read-outs"
-    return causes.printed_inputs(joined.values, inputs, joined.number)
-
-
-def _cut_off(joined: Joined) -> str:
-    return causes.cut_off(joined.values["from_print"], joined.number)
-
-
-def _inputs_differ(joined: Joined) -> str:
-    return causes.printed_inputs_differ(joined.values, joined.number)
+    return {"exact": causes.corrected(joined)} if causes.sign(joined) else {}
 
 
 def _over(what: str) -> Sentence:
@@ -364,7 +217,7 @@ def _of_fifteen(joined: Joined) -> str:
 
 
 def _off_resonance(joined: Joined) -> str:
-    hz, near = joined.sources.case.frequencies_hz, joined.of(frequency="omega1")[ROUTE]
+    hz, near = joined.case.frequencies_hz, joined.of(frequency="omega1")[ROUTE]
     return (
         f"Largest error of the two-point formulas: {joined.values[ROUTE]:.1f} % at {hz[joined.row.frequency]:g} Hz, "
         f"{near:.1f} % at {hz['omega1']:g} Hz."
@@ -449,7 +302,7 @@ def _parameters(units: Mapping[str, str]) -> set[Key]:
 
 _DRIVES = {Key(name, "omega", kind="parameter", unit="Hz") for name in FREQUENCIES}
 _TABLE_2: dict[str, Any] = {"route": "as_published", "ranged": True}
-_PRINT: dict[str, Any] = {"route": "from_print", "contradictions": (_inputs_differ,)}
+_PRINT: dict[str, Any] = {"route": "from_print", "contradictions": (causes.printed_inputs_differ,)}
 _STATEMENT: dict[str, Any] = {"route": ROUTE, "kind": "statement"}
 _OF_LEVELS = (_over("values that Table 1 prints"),)
 _OF_PAIRS = (_over("pairs that Table 2 prints"),)
@@ -462,48 +315,48 @@ RULES = {
     ),
     "follows_from_others": Rule(_parameters({"zeta": "1", "omega_n": "Hz"})),
     # Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths
-    "rounded": Rule(_keys("level", ("X", "X_s"), lines=_LINES), contradictions=(_refuted,)),
+    "rounded": Rule(_keys("level", ("X", "X_s"), lines=_LINES), contradictions=(causes.refuted,)),
     "velocity": Rule(
         _keys("level", ("V_s",), lines=_LINES),
-        causes=(_slip_velocity,),
-        contradictions=(_refuted,),
+        causes=(causes.slip_velocity_as_read,),
+        contradictions=(causes.refuted,),
     ),
     "phase": Rule(
         _keys("level", ("phi",), lines=_LINES),
         route="as_published",
         half_unit=math.nan,
-        tolerances=lambda j: judging.phase_read(j.number, j.sources.case.omega("omega1")),
-        causes=(_phase,),
-        contradictions=(_refuted,),
+        tolerances=lambda j: judging.phase_read(j.number, j.case.omega("omega1")),
+        causes=(causes.phase,),
+        contradictions=(causes.refuted,),
     ),
     "time": Rule(
         _keys("level", ("t_s",), lines=_LINES),
         route="as_published",
         half_unit=WRITTEN,
         expected=_uncut,
-        causes=(_slip_time,),
-        contradictions=(_refuted,),
+        causes=(causes.slip_time_as_read,),
+        contradictions=(causes.refuted,),
     ),
     # Table 2: the integrals of the levels; pairs by direct integration, from more digits than are printed
     "travel": Rule(
         _keys("level", ("a",), lines=_LINES),
         tolerances=_simulated,
-        causes=(_dissipation, _starting_sample),
-        contradictions=(_refuted,),
+        causes=(causes.backward_euler, causes.starting_sample),
+        contradictions=(causes.refuted,),
         **_TABLE_2,
     ),
     "integral": Rule(
         _keys("level", ("b", "W"), lines=_LINES),
         tolerances=_simulated,
-        causes=(_dissipation,),
-        contradictions=(_refuted, _implied_b),
+        causes=(causes.backward_euler,),
+        contradictions=(causes.refuted,),
         **_TABLE_2,
     ),
     "direct pair": Rule(
         _keys("pair", TERMS, ("direct",), PAIR_LABELS),
         tolerances=lambda j: (*judging.propagated(j.allowed, j.number), *_simulated(j)),
-        causes=(_dissipation, _other_b),
-        contradictions=(_outside("Table 2"), _unbalanced),
+        causes=(causes.backward_euler, causes.other_b),
+        contradictions=(causes.outside, causes.unbalanced),
         **_TABLE_2,
     ),
     # Table 3, common φ and t_s: the read-outs of Table 1 have fewer digits than those behind it; the exact route has no
@@ -513,19 +366,19 @@ RULES = {
         route="as_published",
         shown_only=("from_print",),
         expected=_without_slip,
-        causes=(_sign, lambda j: j.sources.rules_at_work(j.row)),
-        contradictions=(_outside("Table 3"),),
+        causes=(causes.sign, lambda j: j.sources.rules_at_work(j.row)),
+        contradictions=(causes.outside,),
     ),
     # The text, from the printed tables: least squares of (9) with individual φ and t_s; moments of what is printed
     "least squares": Rule(
         _keys("least_squares", TERMS, PRINTED_APPROACHES, sharing="individual"),
-        causes=(_inputs, _cut_off),
+        causes=(causes.printed_inputs, causes.cut_off),
         **_PRINT,
     ),
     "residual": Rule(  # made of the rounding of the printed tables; other routes give another size
         _keys("least_squares", ("residual",), PRINTED_APPROACHES, sharing="individual"),
         shown_only=ROUTES,
-        causes=(_inputs, _cut_off),
+        causes=(causes.printed_inputs, causes.cut_off),
         **_PRINT,
     ),
     "mean of pairs": Rule(_keys("mean", TERMS, ("direct",)), causes=_OF_PAIRS, **_PRINT),
