@@ -39,6 +39,7 @@ from ...replication.numbers import (
     by_key,
     features_of,
     of_errors,
+    of_estimates,
     select,
 )
 from ...replication.read_out import ReadOut
@@ -356,7 +357,7 @@ def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[P
     pair : size of the largest error of all pairs.   least_squares : error with its sign.
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
-    errors = of_errors("", table[table["approach"] == "fourier"], oscillator)
+    errors = of_errors(of_estimates("", table), oscillator)
     kinds = {"pair": "largest", "least_squares": "least_squares"}
     return {
         name: {term: errors[Key("", term, "fourier", kind, unit="%")] for term in TERMS}

@@ -15,6 +15,8 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 from typing import Any
 
 from ...balance import TERMS, takes_phase
@@ -22,14 +24,7 @@ from ...estimates import estimate_table
 from ...project.case import Case
 from ...project.files import ROUTES
 from ...project.wording import cut
-from ..numbers import (
-    HARMONIC,
-    HARMONIC_APPROACHES,
-    PARAMETERS,
-    PRINTED_APPROACHES,
-    UNITS,
-    Key,
-)
+from ..numbers import HARMONIC, HARMONIC_APPROACHES, PARAMETERS, PRINTED_APPROACHES, UNITS, Key
 from ..read_out import ReadOut
 from . import causes, judging, unprinted
 from .causes import Joined, Sources
@@ -52,19 +47,27 @@ Sentence = Callable[[Joined], str]
 """Why a number differs: "" where it does not explain that."""
 
 
+_LINES = {"level": tuple(map(str, range(1, LEVELS + 1))), "pair": PAIR_LABELS}
+_SHARING = {"least_squares": "individual", "pair": "common", "largest": "common"}
+"""By kind, the lines of a table, and how the paper takes φ and t_s where an approach needs them."""
+
+
 @dataclass(frozen=True)
 class Rule:
     """A rule by which some of the printed numbers are judged.
 
-    keys : what it judges.   kind : of these claims.   route, half_unit, shown_only : as in `Claim`.
-    ranged : whether the paper's other numbers leave a range for it.
+    kind, quantities, approaches, frequencies : what it judges, as in `Key`.   claim : the kind of these claims.
+    route, half_unit, shown_only : as in `Claim`.   ranged : whether the paper's other numbers leave a range for it.
     tolerances, expected : of a number, as in `Claim`.   holds : of an input or a statement, and by which rule.
     undecided : whether the print does not decide on a statement, and why.
     causes : sentences on what moves it; all that apply are given.   contradictions : what refutes it; the first counts.
     """
 
-    keys: Iterable[Key]
-    kind: ClaimKind = "computed"
+    kind: str
+    quantities: Iterable[str]
+    approaches: Iterable[str] = ("",)
+    frequencies: Iterable[str] = ("omega1",)
+    claim: ClaimKind = "computed"
     route: str = "exact"
     half_unit: float = HALF
     shown_only: tuple[str, ...] = ()
@@ -75,6 +78,24 @@ class Rule:
     undecided: Sentence = lambda joined: ""
     causes: tuple[Sentence, ...] = ()
     contradictions: tuple[Sentence, ...] = ()
+
+    @cached_property
+    def keys(self) -> list[Key]:
+        """The numbers that it judges."""
+        ways = product(self.frequencies, self.quantities, self.approaches)
+        return [
+            Key(
+                frequency,
+                quantity,
+                approach,
+                self.kind,
+                sharing=_SHARING.get(self.kind, "") if approach and takes_phase(approach) else "",
+                line=line,
+                unit="%" if self.kind == "largest" else UNITS[quantity],
+            )
+            for frequency, quantity, approach in ways
+            for line in _LINES.get(self.kind, ("all",))
+        ]
 
 
 def claims(sources: Sources, rows: Iterable[Row]) -> list[Claim]:
@@ -90,7 +111,7 @@ def _claim(rule: Rule, joined: Joined) -> Claim:
         undecided = rule.undecided(joined)
         said = [undecided or how, *said]
         judged = {"holds": holds, "undecided": bool(undecided)}
-    routes = ("exact",) if rule.kind == "given" else ROUTE_NAMES
+    routes = ("exact",) if rule.claim == "given" else ROUTE_NAMES
     return Claim(
         joined.row,
         {route: joined.values[route] for route in routes},
@@ -271,58 +292,26 @@ def _largest_with_sign(joined: Joined) -> str:
 
 # ---- The table ------------------------------------------------------------------------------------------------------
 
-_LINES = tuple(str(level) for level in range(1, LEVELS + 1))
-
-
-def _keys(
-    kind: str,
-    quantities: Iterable[str],
-    approaches: Iterable[str] = ("",),
-    lines: Iterable[str] = ("all",),
-    sharing: str = "",
-) -> set[Key]:
-    """Return the keys of printed numbers at ω1.   sharing : of the approaches that take a phase."""
-    return {
-        Key("omega1", q, a, kind, "", sharing if takes_phase(a) else "", line, UNITS[q])
-        for a in approaches
-        for q in quantities
-        for line in lines
-    }
-
-
-def _errors(frequencies: Iterable[str], quantities: Iterable[str]) -> set[Key]:
-    """Return the keys of the largest errors of the pairs that Table 3 has."""
-    largest = Key("", "", HARMONIC, "largest", "", "common", unit="%")
-    return {largest._replace(frequency=f, quantity=q) for f in frequencies for q in quantities}
-
-
-def _parameters(units: Mapping[str, str]) -> set[Key]:
-    return {Key(quantity=s, kind="parameter", unit=unit) for s, unit in units.items()}
-
-
-_DRIVES = {Key(name, "omega", kind="parameter", unit="Hz") for name in FREQUENCIES}
+_GIVEN: dict[str, Any] = {"claim": "given", "holds": _configured}
 _TABLE_2: dict[str, Any] = {"route": "as_published", "ranged": True}
 _PRINT: dict[str, Any] = {"route": "from_print", "contradictions": (causes.printed_inputs_differ,)}
-_STATEMENT: dict[str, Any] = {"route": ROUTE, "kind": "statement"}
+_STATEMENT: dict[str, Any] = {"route": ROUTE, "claim": "statement"}
 _OF_LEVELS = (_over("values that Table 1 prints"),)
 _OF_PAIRS = (_over("pairs that Table 2 prints"),)
 
 RULES = {
-    "input_is_configured": Rule(
-        _parameters(PARAMETERS) | _DRIVES | _keys("level", ("Y",), lines=_LINES),
-        kind="given",
-        holds=_configured,
-    ),
-    "follows_from_others": Rule(_parameters({"zeta": "1", "omega_n": "Hz"})),
+    "parameter": Rule("parameter", PARAMETERS, frequencies=("",), **_GIVEN),
+    "drive": Rule("parameter", ("omega",), frequencies=FREQUENCIES, **_GIVEN),
+    "amplitude": Rule("level", ("Y",), **_GIVEN),
+    "follows_from_others": Rule("parameter", ("zeta", "omega_n"), frequencies=("",)),
     # Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths
-    "rounded": Rule(_keys("level", ("X", "X_s"), lines=_LINES), contradictions=(causes.refuted,)),
+    "rounded": Rule("level", ("X", "X_s"), contradictions=(causes.refuted,)),
     "velocity": Rule(
-        _keys("level", ("V_s",), lines=_LINES),
-        causes=(causes.slip_velocity_as_read,),
-        contradictions=(causes.refuted,),
+        "level", ("V_s",), causes=(causes.slip_velocity_as_read,), contradictions=(causes.refuted,)
     ),
     "phase": Rule(
-        _keys("level", ("phi",), lines=_LINES),
+        "level",
+        ("phi",),
         route="as_published",
         half_unit=math.nan,
         tolerances=lambda j: judging.phase_read(j.number, j.case.omega("omega1")),
@@ -330,7 +319,8 @@ RULES = {
         contradictions=(causes.refuted,),
     ),
     "time": Rule(
-        _keys("level", ("t_s",), lines=_LINES),
+        "level",
+        ("t_s",),
         route="as_published",
         half_unit=WRITTEN,
         expected=_uncut,
@@ -339,21 +329,25 @@ RULES = {
     ),
     # Table 2: the integrals of the levels; pairs by direct integration, from more digits than are printed
     "travel": Rule(
-        _keys("level", ("a",), lines=_LINES),
+        "level",
+        ("a",),
         tolerances=_simulated,
         causes=(causes.backward_euler, causes.starting_sample),
         contradictions=(causes.refuted,),
         **_TABLE_2,
     ),
     "integral": Rule(
-        _keys("level", ("b", "W"), lines=_LINES),
+        "level",
+        ("b", "W"),
         tolerances=_simulated,
         causes=(causes.backward_euler,),
         contradictions=(causes.refuted,),
         **_TABLE_2,
     ),
     "direct pair": Rule(
-        _keys("pair", TERMS, ("direct",), PAIR_LABELS),
+        "pair",
+        TERMS,
+        ("direct",),
         tolerances=lambda j: (*judging.propagated(j.allowed, j.number), *_simulated(j)),
         causes=(causes.backward_euler, causes.other_b),
         contradictions=(causes.outside, causes.unbalanced),
@@ -362,7 +356,9 @@ RULES = {
     # Table 3, common φ and t_s: the read-outs of Table 1 have fewer digits than those behind it; the exact route has no
     # slip of sign
     "harmonic pair": Rule(
-        _keys("pair", TERMS, HARMONIC_APPROACHES, PAIR_LABELS, "common"),
+        "pair",
+        TERMS,
+        HARMONIC_APPROACHES,
         route="as_published",
         shown_only=("from_print",),
         expected=_without_slip,
@@ -371,40 +367,52 @@ RULES = {
     ),
     # The text, from the printed tables: least squares of (9) with individual φ and t_s; moments of what is printed
     "least squares": Rule(
-        _keys("least_squares", TERMS, PRINTED_APPROACHES, sharing="individual"),
+        "least_squares",
+        TERMS,
+        PRINTED_APPROACHES,
         causes=(causes.printed_inputs, causes.cut_off),
         **_PRINT,
     ),
     "residual": Rule(  # made of the rounding of the printed tables; other routes give another size
-        _keys("least_squares", ("residual",), PRINTED_APPROACHES, sharing="individual"),
+        "least_squares",
+        ("residual",),
+        PRINTED_APPROACHES,
         shown_only=ROUTES,
         causes=(causes.printed_inputs, causes.cut_off),
         **_PRINT,
     ),
-    "mean of pairs": Rule(_keys("mean", TERMS, ("direct",)), causes=_OF_PAIRS, **_PRINT),
+    "mean of pairs": Rule("mean", TERMS, ("direct",), causes=_OF_PAIRS, **_PRINT),
     "deviation of pairs": Rule(  # the printed b_1 makes nearly all of it
-        _keys("std", TERMS, ("direct",)), shown_only=ROUTES, causes=_OF_PAIRS, **_PRINT
+        "std", TERMS, ("direct",), shown_only=ROUTES, causes=_OF_PAIRS, **_PRINT
     ),
-    "mean of levels": Rule(_keys("mean", ("phi",)), causes=_OF_LEVELS, **_PRINT),
+    "mean of levels": Rule("mean", ("phi",), causes=_OF_LEVELS, **_PRINT),
     "mean of times": Rule(  # of five times in whole tenths: it has no more digits than print
-        _keys("mean", ("t_s",)), half_unit=WRITTEN, expected=_uncut, causes=_OF_LEVELS, **_PRINT
+        "mean", ("t_s",), half_unit=WRITTEN, expected=_uncut, causes=_OF_LEVELS, **_PRINT
     ),
-    "bound": Rule(_errors(("omega1",), TERMS), holds=_bound, causes=(_of_fifteen,), **_STATEMENT),
+    "bound": Rule("largest", TERMS, (HARMONIC,), holds=_bound, causes=(_of_fifteen,), **_STATEMENT),
     "bound without read-outs": Rule(
-        _errors(("omega3",), ("any",)),
+        "largest",
+        ("any",),
+        (HARMONIC,),
+        ("omega3",),
         holds=_bound,
         undecided=_open_to_read_outs,
         causes=(_largest_with_sign,),
         **_STATEMENT,
     ),
     "change": Rule(
-        _errors(("omega2", "omega3"), ("any",)),
+        "largest",
+        ("any",),
+        (HARMONIC,),
+        ("omega2", "omega3"),
         holds=_degraded,
         causes=(_off_resonance,),
         **_STATEMENT,
     ),
     "truth": Rule(
-        {Key("omega1", "any", "direct", "largest", unit="%")},
+        "largest",
+        ("any",),
+        ("direct",),
         holds=_most_accurate,
         causes=(_direct_and_best,),
         **_STATEMENT,
@@ -427,8 +435,8 @@ def check_printed(printed: Published) -> None:
         elif row.rule in COMPARISONS:
             word_holds(row, math.nan, math.nan)
     rows = {(row.rule, row.key) for row in printed.rows.values()}
-    wanted = {(name, key): None for name, rule in RULES.items() for key in sorted(rule.keys)}
-    if missing := [" ".join(filter(None, key)) for name, key in wanted if (name, key) not in rows]:
+    wanted = ((name, key) for name, rule in RULES.items() for key in rule.keys)
+    if missing := [" ".join(filter(None, of[1])) for of in wanted if of not in rows]:
         few = ", ".join(missing[:8]) + " …" * (len(missing) > 8)
         raise ValueError(f"{FILE}: no row for {few}; each printed number needs its row")
 
@@ -437,14 +445,16 @@ def _problem(row: Row) -> str:
     """Return the column of the first cell that its rule does not know, and why; "" if there is none."""
     allowed: dict[str, Iterable[str]] = {"rule": RULES}
     if rule := RULES.get(row.rule):
-        allowed = {"claim": (rule.kind,)}
-        allowed |= {name: {getattr(key, name) for key in rule.keys} for name in Key._fields}
+        allowed = {"claim": (rule.claim,)}
+        # the keys that agree with the row in all columns before
+        near = rule.keys
+        for column in Key._fields:
+            allowed[column] = dict.fromkeys(getattr(key, column) for key in near)
+            near = [key for key in near if getattr(key, column) == getattr(row, column)]
     for column, words in allowed.items():
         if (text := getattr(row, column)) not in words:
-            listed = ", ".join(word or "none" for word in sorted(words))
+            listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
-    if rule and row.key not in rule.keys:
-        return f"unit: its rule judges no {' '.join(filter(None, row.key))}"
     if row.rule not in COMPARISONS and not row.number.is_number:
         return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""
