@@ -29,7 +29,7 @@ def results(folder: Path, article: Path) -> PageContent:
     """
     made = article / RESULTS
     claims = read_csv(made / "claims.csv", dtype=str)
-    numbers = by_key(with_claims(read_csv(made / "numbers.csv"), claims))
+    rows = by_key(with_claims(read_csv(made / "numbers.csv"), claims))
     frequency, cases = computed("frequency", folder, COARSER)
     save_svg(study_figure(frequency, cases), folder / "figure.svg", alternative_text(frequency))
     steps = read_study(article / f"{STUDIES}/step_size.yaml")
@@ -39,7 +39,7 @@ def results(folder: Path, article: Path) -> PageContent:
         case=CASE,
         config=copy.deepcopy(CONFIG),
         claims=claims,
-        tables={name: paper_tables(numbers, name) for name in CASE.frequencies_hz},
+        tables={name: paper_tables(rows, name) for name in CASE.frequencies_hz},
         approaches=read_csv(made / "tables/approaches.csv"),
         figures={name: _text(made / f"figures/{name}.svg") for name in FIGURES},
         evidence=json.loads(_text(made / "article/evidence.json")),

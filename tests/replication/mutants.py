@@ -8,8 +8,9 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
-from dampbalance.replication.claims.rules import Sources, claims
+from dampbalance.replication.claims.rules import claims
 from dampbalance.replication.claims.verdicts import VERDICTS, part_of
 from replication.routes import PRINT, reprinted, sources_of
 

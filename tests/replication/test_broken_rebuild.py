@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import pytest
 
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.judging import MAX_DEVIATION_OF_OTHER_ROUTES
-from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import (
     DIFFERS,

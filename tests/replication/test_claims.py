@@ -12,8 +12,8 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import authors_route as authors
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.print import Printed, read_texts
-from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import (
     CLAIM_COLUMNS,
     WORSE,

@@ -147,8 +147,8 @@ def test_of_many_missing_rows_eight_are_named(error_of, lost, more):
         ),
         ("computed,phase", "computed,faze", "row table1.phi.1, column rule: 'faze'"),
         (
-            "given,input_is_configured",
-            "computed,input_is_configured",
+            "given,parameter",
+            "computed,parameter",
             "row parameter.m, column claim: 'computed'",
         ),
         (",F_k,direct,", ",F_k,rough,", "row table2.F_k.1-2, column approach: 'rough'"),
@@ -177,7 +177,7 @@ def test_of_many_missing_rows_eight_are_named(error_of, lost, more):
         (
             "omega1,b,,level,,,1,m^2/s",
             "omega1,b,,level,,,1,J",
-            "row table2.b.1, column unit: its rule judges no omega1 b level 1 J",
+            "row table2.b.1, column unit: 'J' is not known to its rule; known are m^2/s",
         ),
     ],
 )

@@ -16,7 +16,7 @@ from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims import evidence, unprinted
-from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
 from dampbalance.replication.comparison import off_resonance

@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+import numpy as np
 
 from ..balance import TERMS, takes_phase
 from ..estimates import estimate_table
@@ -82,11 +85,11 @@ QUANTITIES = {
 }
 """Column of a table of features or estimates → its quantity and unit in the table of numbers."""
 
-UNITS = dict(QUANTITIES.values())
-"""Quantity → its unit."""
-
 PARAMETERS = {"m": "kg", "c": "N s/m", "k": "N/m", "K_z": "N/m", "F_k": "N"}
 """Parameter of the case → its unit."""
+
+UNITS = {**dict(QUANTITIES.values()), **PARAMETERS, "omega": "Hz", "omega_n": "Hz", "zeta": "1"}
+"""Quantity → its unit."""
 
 
 def of_case(case: Case) -> dict[Key, float]:
@@ -137,46 +140,27 @@ def of_estimates(frequency: str, frame: pd.DataFrame) -> dict[Key, float]:
     return numbers
 
 
-def of_errors(
-    frequency: str, frame: pd.DataFrame, osc: Oscillator, definition: str = ""
-) -> dict[Key, float]:
-    """Return the errors of F_k and c, %: of the least squares, with sign, and the size of the largest of the pairs.
+def of_errors(estimates: Values, osc: Oscillator, phase: str = "") -> dict[Key, float]:
+    """Return the errors of F_k and c, %: of least squares, with sign, and the size of the largest of the pairs.
 
-    frame : `estimates.estimate_table`.   osc : with the true values.   definition : of φ, `Key.phase`.
+    osc : with the true values.   phase : as in `Key`.
     NaN: an estimate that does not exist (nothing slips), and an error relative to a true value of zero.
     """
     numbers: dict[Key, float] = {}
-    errors = relative_errors(frame, osc)
-
-    def largest(way: Key, rows: pd.DataFrame) -> None:
-        sizes = rows.abs().max()
-        numbers.update({way._replace(quantity=str(s)): size for s, size in sizes.items()})
-        numbers[way._replace(quantity="any")] = sizes.max()
-
-    approaches, phases = frame["approach"], frame["phase"]
-    pair, fit = frame["kind"] == "pair", frame["kind"] == "least_squares"
-    for approach, phase in dict.fromkeys(zip(approaches, phases, strict=True)):
-        own, sharing = (approaches == approach) & (phases == phase), _sharing(approach, phase)
-        way = Key(frequency, "", approach, "least_squares", definition, sharing, unit="%")
-        for signed in errors[own & fit].to_dict("records"):
-            numbers |= {way._replace(quantity=str(s)): error for s, error in signed.items()}
-        largest(way._replace(kind="largest"), errors[own & pair])
-    common = pair & (phases == "common") & approaches.isin(HARMONIC_APPROACHES)
-    way = Key(frequency, "", HARMONIC, "largest", definition, "common", unit="%")
-    largest(way, errors[common])
+    for key, value in estimates.items():
+        if key.quantity not in TERMS or key.kind not in ("least_squares", "pair"):
+            continue
+        error = 100.0 * (value / (getattr(osc, key.quantity) or math.nan) - 1.0)
+        own = key._replace(phase=phase, unit="%")
+        if key.kind == "least_squares":
+            numbers[own] = error
+            continue
+        together = key.sharing == "common" and key.approach in HARMONIC_APPROACHES
+        approaches = (key.approach, HARMONIC) if together else (key.approach,)
+        for name, quantity in product(approaches, (key.quantity, "any")):
+            largest = own._replace(approach=name, quantity=quantity, kind="largest", line="all")
+            numbers[largest] = float(np.fmax(numbers.get(largest, math.nan), abs(error)))
     return numbers
-
-
-def relative_errors(frame: pd.DataFrame, osc: Oscillator) -> pd.DataFrame:
-    """Return the signed errors of F_k and c, %, of each line of a table of estimates; NaN for a true value of zero."""
-    import pandas as pd  # slow to import, and needed for tables only
-
-    return pd.DataFrame(
-        {
-            name: 100.0 * (frame[term.column] / (getattr(osc, name, 0.0) or math.nan) - 1.0)
-            for name, term in TERMS.items()
-        }
-    )
 
 
 def of_routes(
@@ -194,7 +178,8 @@ def of_routes(
         for name, frame in frames.items():
             numbers |= of_features(name, frame)
         for name, frame in estimates.get(route, {}).items():
-            numbers |= of_estimates(name, frame) | of_errors(name, frame, case.oscillator)
+            found = of_estimates(name, frame)
+            numbers |= found | of_errors(found, case.oscillator)
     for name, frame in features["exact"].items():
         routes["exact"] |= _errors_by_phase(name, Features.from_frame(frame), case)
     return routes
@@ -205,9 +190,9 @@ def _errors_by_phase(frequency: str, features: Features, case: Case) -> dict[Key
     osc, numbers = case.oscillator, dict[Key, float]()
     for phase in ("", *PHASES):
         of_phase = features.with_phase(phase) if phase else features
-        table = estimate_table(of_phase, osc.k, case.pairs)
-        lines = table[table["approach"].map(takes_phase)] if phase else table
-        numbers |= of_errors(frequency, lines, osc, phase)
+        table = of_estimates(frequency, estimate_table(of_phase, osc.k, case.pairs))
+        chosen = {key: value for key, value in table.items() if key.sharing or not phase}
+        numbers |= of_errors(chosen, osc, phase)
     return numbers
 
 

@@ -7,6 +7,7 @@ case without a paper to compare with has none.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 
 import pandas as pd
@@ -64,7 +65,7 @@ def paper_tables(numbers: Numbers, frequency: str) -> dict[str, pd.DataFrame]:
                 "quantity": f"{symbol} by {approach}" if kind == "pair" and sharing else symbol,
                 "unit": key.unit,
                 **{column: found.get(column, "") for column in ("printed", "verdict")},
-                **{route: found.get(route) for route in SHOWN_ROUTES},
+                **{route: found.get(route, math.nan) for route in SHOWN_ROUTES},
                 "symbol": symbol,
                 "id": found.get("id", ""),
             }

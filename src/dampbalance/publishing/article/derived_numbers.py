@@ -37,6 +37,7 @@ from ...replication.numbers import (
     by_key,
     features_of,
     of_errors,
+    of_estimates,
     select,
 )
 from ...replication.read_out import ReadOut
@@ -354,7 +355,7 @@ def lock_in_errors(
     largest : size of the largest error of all pairs.   least_squares : error with its sign.
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), osc.k, pairs)
-    errors = of_errors(frequency, table[table["approach"] == "fourier"], osc)
+    errors = of_errors(of_estimates(frequency, table), osc)
     return {
         f"error.{frequency}.{key.quantity}.{key.kind}.lock_in": (error, "%")
         for key, error in errors.items()

@@ -42,11 +42,7 @@ def chance(claims: pd.DataFrame) -> dict[str, float]:
     units = exact["printed"].map(lambda text: Printed(text).unit)
     off = ((exact["exact"].astype(float) - exact["printed"].astype(float)) / units).abs()
     close = int((off < CLOSE_UNITS).sum())
-    return {
-        "close": close,
-        "expected": BY_CHANCE * close,
-        "observed": int((off <= HALF).sum()),
-    }
+    return {"close": close, "expected": BY_CHANCE * close, "observed": int((off <= HALF).sum())}
 
 
 def _made_otherwise(claims: pd.DataFrame) -> pd.Series:

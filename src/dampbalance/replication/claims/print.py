@@ -31,7 +31,6 @@ from ...project.case import Case
 from ...project.wording import cut
 from ...solver import Pair, pair_label
 from ..numbers import (
-    HARMONIC_APPROACHES,
     PRINTED_APPROACHES,
     Key,
     of_errors,
@@ -266,15 +265,5 @@ def from_print(published: Published, case: Case) -> dict[Key, float]:
         pairs, moment = published.values(symbol, "pair", name), first.key._replace(line="all")
         numbers[moment._replace(kind="mean")] = float(pairs.mean())
         numbers[moment._replace(kind="std")] = float(pairs.std(ddof=1))
-    return numbers | of_errors("omega1", printed_pairs(published), case.oscillator)
-
-
-def printed_pairs(published: Published) -> pd.DataFrame:
-    """Return the printed pairs of Tables 2 and 3 as a table of estimates."""
-    frames = []
-    for name in PRINTED_APPROACHES:
-        pairs = {t.column: published.values(s, "pair", name) for s, t in TERMS.items()}
-        phase = "common" if name in HARMONIC_APPROACHES else "individual"
-        frame = pd.DataFrame(pairs).assign(approach=name, kind="pair", phase=phase)
-        frames.append(frame.assign(pair=PAIR_LABELS))
-    return pd.concat(frames, ignore_index=True)
+    printed = {row.key: row.number.value for row in published.rows.values() if row.kind == "pair"}
+    return numbers | of_errors(printed, case.oscillator)

@@ -16,30 +16,20 @@ import operator
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 from ...balance import TERMS, takes_phase
 from ...estimates import estimate_table
-from ...features import Features
 from ...project.case import Case
 from ...project.files import ROUTES
 from ...project.wording import cut
-from ...solver import levels_of
-from ..authors_route import CORRECTED
-from ..numbers import (
-    HARMONIC,
-    HARMONIC_APPROACHES,
-    PARAMETERS,
-    PRINTED_APPROACHES,
-    UNITS,
-    Key,
-    Numbers,
-    features_of,
-)
+from ..numbers import HARMONIC, HARMONIC_APPROACHES, PARAMETERS, PRINTED_APPROACHES, UNITS, Key
 from ..read_out import ReadOut
-from . import causes, cross_checks, judging, unprinted
-from .judging import HALF, WRITTEN, Claim, NumberRange, Tolerance
-from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIR_LABELS, PAIRS, Printed, Published, Row
+from . import causes, judging, unprinted
+from .causes import Joined, Sources
+from .judging import HALF, WRITTEN, Claim, Tolerance
+from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIR_LABELS, PAIRS, Published, Row
 from .verdicts import ROUTE_NAMES, ClaimKind
 
 
@@ -53,82 +43,31 @@ def require_paper(case: Case) -> None:
         raise ValueError(f"claims need the five levels of the paper, got {len(case.levels_m)}")
 
 
-@dataclass(frozen=True)
-class Sources:
-    """All that claims are judged from, and what is computed from it once for many of them.
-
-    published : the printed numbers.   case : as configured.   numbers : of all routes.
-
-    refuted, by_table_2, by_table_3, misfits : by `cross_checks`.   allowed : by both tables.
-    rules_at_work : what moves the number of a row of Table 3.
-    """
-
-    published: Published
-    case: Case
-    numbers: Numbers
-
-    refuted = cached_property(lambda self: cross_checks.refuted(self.published, self.case))
-    by_table_2 = cached_property(lambda self: cross_checks.by_table_2(self.published))
-    by_table_3 = cached_property(lambda self: cross_checks.by_table_3(self.published, self.case))
-    allowed = cached_property(lambda self: self.by_table_2 | self.by_table_3)
-    misfits = cached_property(lambda self: cross_checks.misfits(self.published, self.case))
-    as_published = cached_property(lambda self: self.features("as_published"))
-    rules_at_work = cached_property(
-        lambda self: causes.rules_at_work(
-            self.case, self.features("exact"), self.features("unrounded")
-        )
-    )
-
-    def features(self, route: str, frequency: str = "omega1") -> Features:
-        """Return the features of all levels by a route."""
-        return features_of(self.numbers, route, frequency, self.case.omega(frequency))
-
-
-@dataclass(frozen=True)
-class Joined:
-    """A printed number joined with what the routes give for it."""
-
-    sources: Sources
-    row: Row
-
-    @cached_property
-    def values(self) -> dict[str, float]:
-        """What each route gives."""
-        return self.of()
-
-    def of(self, **other: str) -> dict[str, float]:
-        """Return what each route gives for the same number, except for these fields of its key."""
-        numbers = self.sources.numbers.get(self.row.key._replace(**other), {})
-        return {route: numbers.get(route, math.nan) for route in (*ROUTE_NAMES, "unrounded")}
-
-    @property
-    def number(self) -> Printed:
-        """The number as it is printed."""
-        return self.row.number
-
-    @property
-    def allowed(self) -> NumberRange | None:
-        """The range that the paper's other numbers leave, if they leave one."""
-        return self.sources.allowed.get(self.row.id)
-
-
 Sentence = Callable[[Joined], str]
 """Why a number differs: "" where it does not explain that."""
+
+
+_LINES = {"level": tuple(map(str, range(1, LEVELS + 1))), "pair": PAIR_LABELS}
+_SHARING = {"least_squares": "individual", "pair": "common", "largest": "common"}
+"""By kind, the lines of a table, and how the paper takes φ and t_s where an approach needs them."""
 
 
 @dataclass(frozen=True)
 class Rule:
     """A rule by which some of the printed numbers are judged.
 
-    keys : what it judges.   kind : of these claims.   route, half_unit, shown_only : as in `Claim`.
-    ranged : whether the paper's other numbers leave a range for it.
+    kind, quantities, approaches, frequencies : what it judges, as in `Key`.   claim : the kind of these claims.
+    route, half_unit, shown_only : as in `Claim`.   ranged : whether the paper's other numbers leave a range for it.
     tolerances, expected : of a number, as in `Claim`.   holds : of an input or a statement, and by which rule.
     undecided : whether the print does not decide on a statement, and why.
     causes : sentences on what moves it; all that apply are given.   contradictions : what refutes it; the first counts.
     """
 
-    keys: Iterable[Key]
-    kind: ClaimKind = "computed"
+    kind: str
+    quantities: Iterable[str]
+    approaches: Iterable[str] = ("",)
+    frequencies: Iterable[str] = ("omega1",)
+    claim: ClaimKind = "computed"
     route: str = "exact"
     half_unit: float = HALF
     shown_only: tuple[str, ...] = ()
@@ -139,6 +78,24 @@ class Rule:
     undecided: Sentence = lambda joined: ""
     causes: tuple[Sentence, ...] = ()
     contradictions: tuple[Sentence, ...] = ()
+
+    @cached_property
+    def keys(self) -> list[Key]:
+        """The numbers that it judges."""
+        ways = product(self.frequencies, self.quantities, self.approaches)
+        return [
+            Key(
+                frequency,
+                quantity,
+                approach,
+                self.kind,
+                sharing=_SHARING.get(self.kind, "") if approach and takes_phase(approach) else "",
+                line=line,
+                unit="%" if self.kind == "largest" else UNITS[quantity],
+            )
+            for frequency, quantity, approach in ways
+            for line in _LINES.get(self.kind, ("all",))
+        ]
 
 
 def claims(sources: Sources, rows: Iterable[Row]) -> list[Claim]:
@@ -154,7 +111,7 @@ def _claim(rule: Rule, joined: Joined) -> Claim:
         undecided = rule.undecided(joined)
         said = [undecided or how, *said]
         judged = {"holds": holds, "undecided": bool(undecided)}
-    routes = ("exact",) if rule.kind == "given" else ROUTE_NAMES
+    routes = ("exact",) if rule.claim == "given" else ROUTE_NAMES
     return Claim(
         joined.row,
         {route: joined.values[route] for route in routes},
@@ -183,101 +140,18 @@ def _configured(joined: Joined) -> tuple[bool, str]:
 # ---- Tables ---------------------------------------------------------------------------------------------------------
 
 
-def _refuted(joined: Joined) -> str:
-    return joined.sources.refuted.get(joined.row.id, "")
-
-
 def _uncut(joined: Joined) -> dict[str, float]:
     """Return where the exact route of a time belongs: at the simulated one, of which the print keeps whole tenths."""
     simulated = joined.values["unrounded"]
     return {} if math.isnan(simulated) else {"exact": simulated}
 
 
-def _phase(joined: Joined) -> str:
-    crossing = joined.of(quantity="phi_zero_crossing")["exact"]
-    return causes.phase(joined.values["exact"], crossing, joined.number)
-
-
-def _slip_velocity(joined: Joined) -> str:
-    sample = joined.of(quantity="V_s_at_sample")["unrounded"]
-    return causes.slip_velocity_as_read(
-        sample, joined.number, joined.sources.published.values("V_s")
-    )
-
-
-def _slip_time(joined: Joined) -> str:
-    step = joined.sources.case.numerics.step_s
-    return causes.slip_time_as_read(joined.values["exact"], step, joined.number)
-
-
-def _dissipation(joined: Joined) -> str:
-    """State by how much the simulation damps, which F_k does not show."""
-    case, values = joined.sources.case, joined.values
-    return "" if joined.row.quantity == "F_k" else causes.backward_euler(case, values)
-
-
-def _starting_sample(joined: Joined) -> str:
-    return causes.starting_sample(joined.sources.case, int(joined.row.line))
-
-
-def _implied_b(joined: Joined) -> str:
-    """State that the printed pairs refute a b."""
-    level, published = int(joined.row.line), joined.sources.published
-    return "".join(causes.implied_b(published, level)) if joined.row.quantity == "b" else ""
-
-
-def _other_b(joined: Joined) -> str:
-    s = joined.sources
-    return causes.other_b(s.published, s.as_published, s.allowed, joined.row)
-
-
-def _unbalanced(joined: Joined) -> str:
-    """State that a level of the pair has a b that other pairs refute."""
-    levels = levels_of(joined.row.line)
-    implied = (causes.implied_b(joined.sources.published, level)[0] for level in levels)
-    said = " ".join(filter(None, implied))
-    return said and f"{said} {_other_b(joined)}".strip()
-
-
-def _outside(table: str) -> Sentence:
-    return lambda joined: causes.outside(joined.allowed, joined.number, table)
-
-
 def _simulated(joined: Joined) -> tuple[Tolerance, ...]:
-    return judging.simulated(joined.number, joined.sources.case)
-
-
-def _sign(joined: Joined) -> str:
-    correct = _correct(joined)
-    as_published, misfits = joined.values["as_published"], joined.sources.misfits
-    return causes.sign(as_published, correct, joined.row.unit, misfits)
-
-
-def _correct(joined: Joined) -> float:
-    """Return the as-published pair without the slip of sign of the V_s columns."""
-    own = joined.row.approach
-    return joined.of(approach=CORRECTED if own == "V_s" else own)["as_published"]
+    return judging.simulated(joined.number, joined.case)
 
 
 def _without_slip(joined: Joined) -> dict[str, float]:
-    return {"exact": _correct(joined)} if _sign(joined) else {}
-
-
-# ---- Text -----------------------------------------------------------------------------------------------------------
-
-
-def _inputs(joined: Joined) -> str:
-    direct = joined.row.approach == "direct"
-    inputs = "Table 2's integrals" if direct else "Table 1's read-outs"
-    return causes.printed_inputs(joined.values, inputs, joined.number)
-
-
-def _cut_off(joined: Joined) -> str:
-    return causes.cut_off(joined.values["from_print"], joined.number)
-
-
-def _inputs_differ(joined: Joined) -> str:
-    return causes.printed_inputs_differ(joined.values, joined.number)
+    return {"exact": causes.corrected(joined)} if causes.sign(joined) else {}
 
 
 def _over(what: str) -> Sentence:
@@ -364,7 +238,7 @@ def _of_fifteen(joined: Joined) -> str:
 
 
 def _off_resonance(joined: Joined) -> str:
-    hz, near = joined.sources.case.frequencies_hz, joined.of(frequency="omega1")[ROUTE]
+    hz, near = joined.case.frequencies_hz, joined.of(frequency="omega1")[ROUTE]
     return (
         f"Largest error of the two-point formulas: {joined.values[ROUTE]:.1f} % at {hz[joined.row.frequency]:g} Hz, "
         f"{near:.1f} % at {hz['omega1']:g} Hz."
@@ -418,140 +292,127 @@ def _largest_with_sign(joined: Joined) -> str:
 
 # ---- The table ------------------------------------------------------------------------------------------------------
 
-_LINES = tuple(str(level) for level in range(1, LEVELS + 1))
-
-
-def _keys(
-    kind: str,
-    quantities: Iterable[str],
-    approaches: Iterable[str] = ("",),
-    lines: Iterable[str] = ("all",),
-    sharing: str = "",
-) -> set[Key]:
-    """Return the keys of printed numbers at ω1.   sharing : of the approaches that take a phase."""
-    return {
-        Key("omega1", q, a, kind, "", sharing if takes_phase(a) else "", line, UNITS[q])
-        for a in approaches
-        for q in quantities
-        for line in lines
-    }
-
-
-def _errors(frequencies: Iterable[str], quantities: Iterable[str]) -> set[Key]:
-    """Return the keys of the largest errors of the pairs that Table 3 has."""
-    largest = Key("", "", HARMONIC, "largest", "", "common", unit="%")
-    return {largest._replace(frequency=f, quantity=q) for f in frequencies for q in quantities}
-
-
-def _parameters(units: Mapping[str, str]) -> set[Key]:
-    return {Key(quantity=s, kind="parameter", unit=unit) for s, unit in units.items()}
-
-
-_DRIVES = {Key(name, "omega", kind="parameter", unit="Hz") for name in FREQUENCIES}
+_GIVEN: dict[str, Any] = {"claim": "given", "holds": _configured}
 _TABLE_2: dict[str, Any] = {"route": "as_published", "ranged": True}
-_PRINT: dict[str, Any] = {"route": "from_print", "contradictions": (_inputs_differ,)}
-_STATEMENT: dict[str, Any] = {"route": ROUTE, "kind": "statement"}
+_PRINT: dict[str, Any] = {"route": "from_print", "contradictions": (causes.printed_inputs_differ,)}
+_STATEMENT: dict[str, Any] = {"route": ROUTE, "claim": "statement"}
 _OF_LEVELS = (_over("values that Table 1 prints"),)
 _OF_PAIRS = (_over("pairs that Table 2 prints"),)
 
 RULES = {
-    "input_is_configured": Rule(
-        _parameters(PARAMETERS) | _DRIVES | _keys("level", ("Y",), lines=_LINES),
-        kind="given",
-        holds=_configured,
-    ),
-    "follows_from_others": Rule(_parameters({"zeta": "1", "omega_n": "Hz"})),
+    "parameter": Rule("parameter", PARAMETERS, frequencies=("",), **_GIVEN),
+    "drive": Rule("parameter", ("omega",), frequencies=FREQUENCIES, **_GIVEN),
+    "amplitude": Rule("level", ("Y",), **_GIVEN),
+    "follows_from_others": Rule("parameter", ("zeta", "omega_n"), frequencies=("",)),
     # Table 1: X, X_s and V_s are rounded, φ is read off a plot, t_s is cut off to whole tenths
-    "rounded": Rule(_keys("level", ("X", "X_s"), lines=_LINES), contradictions=(_refuted,)),
+    "rounded": Rule("level", ("X", "X_s"), contradictions=(causes.refuted,)),
     "velocity": Rule(
-        _keys("level", ("V_s",), lines=_LINES),
-        causes=(_slip_velocity,),
-        contradictions=(_refuted,),
+        "level", ("V_s",), causes=(causes.slip_velocity_as_read,), contradictions=(causes.refuted,)
     ),
     "phase": Rule(
-        _keys("level", ("phi",), lines=_LINES),
+        "level",
+        ("phi",),
         route="as_published",
         half_unit=math.nan,
-        tolerances=lambda j: judging.phase_read(j.number, j.sources.case.omega("omega1")),
-        causes=(_phase,),
-        contradictions=(_refuted,),
+        tolerances=lambda j: judging.phase_read(j.number, j.case.omega("omega1")),
+        causes=(causes.phase,),
+        contradictions=(causes.refuted,),
     ),
     "time": Rule(
-        _keys("level", ("t_s",), lines=_LINES),
+        "level",
+        ("t_s",),
         route="as_published",
         half_unit=WRITTEN,
         expected=_uncut,
-        causes=(_slip_time,),
-        contradictions=(_refuted,),
+        causes=(causes.slip_time_as_read,),
+        contradictions=(causes.refuted,),
     ),
     # Table 2: the integrals of the levels; pairs by direct integration, from more digits than are printed
     "travel": Rule(
-        _keys("level", ("a",), lines=_LINES),
+        "level",
+        ("a",),
         tolerances=_simulated,
-        causes=(_dissipation, _starting_sample),
-        contradictions=(_refuted,),
+        causes=(causes.backward_euler, causes.starting_sample),
+        contradictions=(causes.refuted,),
         **_TABLE_2,
     ),
     "integral": Rule(
-        _keys("level", ("b", "W"), lines=_LINES),
+        "level",
+        ("b", "W"),
         tolerances=_simulated,
-        causes=(_dissipation,),
-        contradictions=(_refuted, _implied_b),
+        causes=(causes.backward_euler,),
+        contradictions=(causes.refuted,),
         **_TABLE_2,
     ),
     "direct pair": Rule(
-        _keys("pair", TERMS, ("direct",), PAIR_LABELS),
+        "pair",
+        TERMS,
+        ("direct",),
         tolerances=lambda j: (*judging.propagated(j.allowed, j.number), *_simulated(j)),
-        causes=(_dissipation, _other_b),
-        contradictions=(_outside("Table 2"), _unbalanced),
+        causes=(causes.backward_euler, causes.other_b),
+        contradictions=(causes.outside, causes.unbalanced),
         **_TABLE_2,
     ),
     # Table 3, common φ and t_s: the read-outs of Table 1 have fewer digits than those behind it; the exact route has no
     # slip of sign
     "harmonic pair": Rule(
-        _keys("pair", TERMS, HARMONIC_APPROACHES, PAIR_LABELS, "common"),
+        "pair",
+        TERMS,
+        HARMONIC_APPROACHES,
         route="as_published",
         shown_only=("from_print",),
         expected=_without_slip,
-        causes=(_sign, lambda j: j.sources.rules_at_work(j.row)),
-        contradictions=(_outside("Table 3"),),
+        causes=(causes.sign, lambda j: j.sources.rules_at_work(j.row)),
+        contradictions=(causes.outside,),
     ),
     # The text, from the printed tables: least squares of (9) with individual φ and t_s; moments of what is printed
     "least squares": Rule(
-        _keys("least_squares", TERMS, PRINTED_APPROACHES, sharing="individual"),
-        causes=(_inputs, _cut_off),
+        "least_squares",
+        TERMS,
+        PRINTED_APPROACHES,
+        causes=(causes.printed_inputs, causes.cut_off),
         **_PRINT,
     ),
     "residual": Rule(  # made of the rounding of the printed tables; other routes give another size
-        _keys("least_squares", ("residual",), PRINTED_APPROACHES, sharing="individual"),
+        "least_squares",
+        ("residual",),
+        PRINTED_APPROACHES,
         shown_only=ROUTES,
-        causes=(_inputs, _cut_off),
+        causes=(causes.printed_inputs, causes.cut_off),
         **_PRINT,
     ),
-    "mean of pairs": Rule(_keys("mean", TERMS, ("direct",)), causes=_OF_PAIRS, **_PRINT),
+    "mean of pairs": Rule("mean", TERMS, ("direct",), causes=_OF_PAIRS, **_PRINT),
     "deviation of pairs": Rule(  # the printed b_1 makes nearly all of it
-        _keys("std", TERMS, ("direct",)), shown_only=ROUTES, causes=_OF_PAIRS, **_PRINT
+        "std", TERMS, ("direct",), shown_only=ROUTES, causes=_OF_PAIRS, **_PRINT
     ),
-    "mean of levels": Rule(_keys("mean", ("phi",)), causes=_OF_LEVELS, **_PRINT),
+    "mean of levels": Rule("mean", ("phi",), causes=_OF_LEVELS, **_PRINT),
     "mean of times": Rule(  # of five times in whole tenths: it has no more digits than print
-        _keys("mean", ("t_s",)), half_unit=WRITTEN, expected=_uncut, causes=_OF_LEVELS, **_PRINT
+        "mean", ("t_s",), half_unit=WRITTEN, expected=_uncut, causes=_OF_LEVELS, **_PRINT
     ),
-    "bound": Rule(_errors(("omega1",), TERMS), holds=_bound, causes=(_of_fifteen,), **_STATEMENT),
+    "bound": Rule("largest", TERMS, (HARMONIC,), holds=_bound, causes=(_of_fifteen,), **_STATEMENT),
     "bound without read-outs": Rule(
-        _errors(("omega3",), ("any",)),
+        "largest",
+        ("any",),
+        (HARMONIC,),
+        ("omega3",),
         holds=_bound,
         undecided=_open_to_read_outs,
         causes=(_largest_with_sign,),
         **_STATEMENT,
     ),
     "change": Rule(
-        _errors(("omega2", "omega3"), ("any",)),
+        "largest",
+        ("any",),
+        (HARMONIC,),
+        ("omega2", "omega3"),
         holds=_degraded,
         causes=(_off_resonance,),
         **_STATEMENT,
     ),
     "truth": Rule(
-        {Key("omega1", "any", "direct", "largest", unit="%")},
+        "largest",
+        ("any",),
+        ("direct",),
         holds=_most_accurate,
         causes=(_direct_and_best,),
         **_STATEMENT,
@@ -574,8 +435,8 @@ def check_printed(printed: Published) -> None:
         elif row.rule in COMPARISONS:
             word_holds(row, math.nan, math.nan)
     rows = {(row.rule, row.key) for row in printed.rows.values()}
-    wanted = {(name, key): None for name, rule in RULES.items() for key in sorted(rule.keys)}
-    if missing := [" ".join(filter(None, key)) for name, key in wanted if (name, key) not in rows]:
+    wanted = ((name, key) for name, rule in RULES.items() for key in rule.keys)
+    if missing := [" ".join(filter(None, of[1])) for of in wanted if of not in rows]:
         few = ", ".join(missing[:8]) + " …" * (len(missing) > 8)
         raise ValueError(f"{FILE}: no row for {few}; each printed number needs its row")
 
@@ -584,14 +445,16 @@ def _problem(row: Row) -> str:
     """Return the column of the first cell that its rule does not know, and why; "" if there is none."""
     allowed: dict[str, Iterable[str]] = {"rule": RULES}
     if rule := RULES.get(row.rule):
-        allowed = {"claim": (rule.kind,)}
-        allowed |= {name: {getattr(key, name) for key in rule.keys} for name in Key._fields}
+        allowed = {"claim": (rule.claim,)}
+        # the keys that agree with the row in all columns before
+        near = rule.keys
+        for column in Key._fields:
+            allowed[column] = dict.fromkeys(getattr(key, column) for key in near)
+            near = [key for key in near if getattr(key, column) == getattr(row, column)]
     for column, words in allowed.items():
         if (text := getattr(row, column)) not in words:
-            listed = ", ".join(word or "none" for word in sorted(words))
+            listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
-    if rule and row.key not in rule.keys:
-        return f"unit: its rule judges no {' '.join(filter(None, row.key))}"
     if row.rule not in COMPARISONS and not row.number.is_number:
         return f"printed: {cut(row.printed, LONGEST)!r} is not a number such as 90.0402 or 2.9E-3"
     return ""

@@ -10,9 +10,10 @@ from pathlib import Path
 import pandas as pd
 
 from ...project.wording import in_markdown, markdown_table
+from .causes import Sources
 from .judging import explanation, verdict
 from .print import read_texts
-from .rules import Sources, check_printed, claims, require_paper
+from .rules import check_printed, claims, require_paper
 from .verdicts import HOLDING, KINDS, PARTS_OF_THE_PAPER, ROUTE_NAMES, VERDICTS, counts, part_of
 
 CLAIM_COLUMNS = (
