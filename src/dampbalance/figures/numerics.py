@@ -11,6 +11,7 @@ import numpy as np
 
 from ..balance import TERMS
 from ..model import Oscillator
+from ..replication.comparison import WAY, WAYS_TO_COMPARE
 from ..replication.numbers import select
 from .looks import LOOKS, SPARE
 from .series import SignedScale
@@ -79,6 +80,11 @@ class Evidence(NamedTuple):
         """Return the printed numbers among them."""
         texts = self.of("printed", quantity, kind, approach)
         return texts[texts != ""].astype(float).to_numpy()
+
+    @property
+    def omega(self) -> float:
+        """The drive frequency, rad/s."""
+        return 2.0 * math.pi * float(self.of("exact", "omega", "parameter").iloc[0])
 
     @property
     def Y(self) -> np.ndarray:
@@ -169,9 +175,8 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
         look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
         axes.plot(h[rows.index], error[rows.index], **look)
     line = np.geomspace(h.min(), h.max(), 50)
-    omega = 2.0 * math.pi * float(e.of("exact", "omega", "parameter").iloc[0])
     for sign in (1.0, -1.0):
-        axes.plot(line, sign * 1e-6 * oscillator.m * omega**2 * line, color=FAINT, lw=0.8)
+        axes.plot(line, sign * 1e-6 * oscillator.m * e.omega**2 * line, color=FAINT, lw=0.8)
     names = {
         r"backward Euler, $m\omega^2h$": 0.9,
         "semi-implicit Euler": 3e-4,
@@ -254,47 +259,49 @@ def _sign(axes: Axes, e: Evidence) -> None:
     axes.set_ylabel("deviation (units of last digit)", labelpad=1.0)
 
 
-class Damping(NamedTuple):
-    """c, N s/m: the true value, what the scheme adds to it (mω²h), and what direct integration identifies by least
-    squares from the rebuilt simulation and in print."""
-
-    true: float
-    added: float
-    rebuilt: float
-    printed: float
+GLANCE = {
+    "paper’s fit": "reversal",
+    r"mean $\varphi$ (ours)": "mean",
+    r"own $\varphi_1$": "fundamental",
+    "Fourier balance": "fourier",
+}
+"""Label → its way of `comparison.WAYS_TO_COMPARE`. The fit with a mean φ is ours: the paper takes that phase in its
+pairs, and each level's φ in its least squares."""
 
 
 @styled()
-def glance(
-    damping: Damping, errors: Mapping[str, Sequence[float]], frequencies: Sequence[float]
-) -> Figure:
-    """Draw two panels: (a) the damping, true, with that of the scheme, rebuilt and printed; (b) errors of F_k.
-
-    errors : label → error of F_k at each frequency, %, with sign; up to four labels.   frequencies : Hz.
-    """
+def glance(evidence: Evidence, oscillator: Oscillator, step_s: float) -> Figure:
+    """Draw two panels: (a) c: the true one, with the mω²h of the scheme, and by direct integration from the rebuilt
+    simulation and in print; (b) the errors of F_k by least squares at each frequency."""
+    e, fit = evidence, ("c", "least_squares", "direct")
+    true, added = oscillator.c, oscillator.m * e.omega**2 * step_s
+    rebuilt, printed = float(e.of("as_published", *fit).iloc[0]), float(e.printed(*fit)[0])
+    frequencies = select(e.numbers, quantity="omega", kind="parameter")["exact"].to_list()
+    fits = select(e.numbers, quantity="F_k", kind="least_squares", unit="%")
     figure = page(DOUBLE_COLUMN, 53.0)
     left, right = (place(figure, x, 11.0, wide, 36.0) for x, wide in ((28.0, 50.0), (96.0, 82.0)))
     rows = {
-        "true $c$": (damping.true, {"marker": "D", "color": INK}),
-        r"true $c + m\omega^2h$": (damping.true + damping.added, {"marker": "^", "color": FAINT}),
-        "rebuilt": (damping.rebuilt, {"marker": "s", "color": REBUILT}),
-        "printed": (damping.printed, {"marker": "o", "color": PRINTED["color"]}),
+        "true $c$": (true, {"marker": "D", "color": INK}),
+        r"true $c + m\omega^2h$": (true + added, {"marker": "^", "color": FAINT}),
+        "rebuilt": (rebuilt, {"marker": "s", "color": REBUILT}),
+        "printed": (printed, {"marker": "o", "color": PRINTED["color"]}),
     }
     for n, (c, mark) in enumerate(rows.values()):
         left.plot([c], [n], ls="none", ms=4.5, zorder=3, **mark)
         note(left, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
-    arrow(left, (damping.true, 1.0), (damping.true + 0.96 * damping.added, 1.0), FAINT)
-    left.axvline(damping.true, color=FAINT, lw=0.5, ls=":")
-    left.axvline(damping.printed, color=PRINTED["color"], lw=0.5, ls=":")
+    arrow(left, (true, 1.0), (true + 0.96 * added, 1.0), FAINT)
+    left.axvline(true, color=FAINT, lw=0.5, ls=":")
+    left.axvline(printed, color=PRINTED["color"], lw=0.5, ls=":")
     left.set_yticks(range(len(rows)), list(rows))
     left.set_ylim(len(rows) - 0.5, -0.6)
-    left.set_xlim(damping.true - 0.25 * damping.added, damping.true + 1.6 * damping.added)
+    left.set_xlim(true - 0.25 * added, true + 1.6 * added)
     left.ticklabel_format(axis="x", useOffset=False)
     left.locator_params(axis="x", nbins=4)
     left.tick_params(axis="y", length=0)
     left.set_xlabel("$c$ by direct integration, all levels (N s/m)")
     # (b) on an axis that is linear about zero, so that the sign shows
-    for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKERS, strict=False)):
+    for n, ((label, way), look) in enumerate(zip(GLANCE.items(), _MARKERS, strict=True)):
+        values = select(fits, **dict(zip(WAY, WAYS_TO_COMPARE[way], strict=True)))["exact"]
         places = [f + 0.24 * (n - 1.5) for f in range(len(frequencies))]
         right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
         right.plot(places, values, ls="none", ms=4.5, label=label, **look)

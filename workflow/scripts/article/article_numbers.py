@@ -11,7 +11,8 @@ from importlib.metadata import metadata, version
 
 import pandas as pd
 
-from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance, numerics
+from dampbalance.figures.numerics import ALT_OF_NUMERICS, GLANCE_ALT, Evidence, glance
+from dampbalance.figures.numerics import numerics as how_digits_arose
 from dampbalance.figures.style import save
 from dampbalance.project.case import Case
 from dampbalance.project.documents import read_yaml
@@ -39,11 +40,12 @@ def of_environment(packages, citation):
 
 
 def figures(seen, output, case):
-    unit = case.numerics.tabulated["t_s_unit_s"]
-    figure = numerics(seen, case.oscillator, case.numerics.step_s, unit)
-    save(figure, output.numerics_svg, output.numerics_png, ALT_OF_NUMERICS)
-    findings = derived.at_a_glance(seen, case)
-    save(glance(*findings), output.glance_svg, output.glance_png, GLANCE_ALT)
+    oscillator, numerics = case.oscillator, case.numerics
+    unit = numerics.tabulated["t_s_unit_s"]
+    of_digits = how_digits_arose(seen, oscillator, numerics.step_s, unit)
+    save(of_digits, output.numerics_svg, output.numerics_png, ALT_OF_NUMERICS)
+    findings = glance(seen, oscillator, numerics.step_s)
+    save(findings, output.glance_svg, output.glance_png, GLANCE_ALT)
 
 
 if __name__ == "__main__":

@@ -15,31 +15,13 @@ import pandas as pd
 from ...balance import TERMS, viscous_integral
 from ...estimates import estimate_table
 from ...features import FEATURE_COLUMNS, Features
-from ...figures.numerics import Damping, Evidence
 from ...model import Oscillator
 from ...project.case import Case
-from ...replication import comparison
-from ...replication.authors_route import (
-    added_damping,
-    damping_by_hand,
-    effective_damping,
-    printed_coefficients,
-)
-from ...replication.claims import evidence as proof
-from ...replication.claims import unprinted
-from ...replication.claims.verdicts import VERDICTS, counts
+from ...replication import authors_route, comparison
+from ...replication import numbers as of_routes
+from ...replication.claims import evidence, unprinted, verdicts
 from ...replication.clean import CYCLES_TO_READ
-from ...replication.numbers import (
-    HARMONIC,
-    TABLE_2,
-    Key,
-    Numbers,
-    by_key,
-    features_of,
-    of_errors,
-    of_estimates,
-    select,
-)
+from ...replication.numbers import Numbers, select
 from ...replication.read_out import ReadOut
 from ...solver import Pair
 from ...studies.parameters import parameter
@@ -47,15 +29,6 @@ from ...studies.study_file import Study
 
 Rows = dict[str, tuple[Any, str]]
 """Id → a number or a text, and its unit. None or NaN stands for a number that does not exist."""
-
-GLANCE = {
-    "paper’s fit": "reversal",
-    r"mean $\varphi$ (ours)": "mean",
-    r"own $\varphi_1$": "fundamental",
-    "Fourier balance": "fourier",
-}
-"""Label of the figure at a glance → its way of `comparison.WAYS_TO_COMPARE`. The fit with a mean φ is ours: the paper
-takes that phase in its pairs, and each level's φ in its least squares."""
 
 
 def rows(group: str, values: Mapping[Any, Any], unit: str = "") -> Rows:
@@ -80,63 +53,50 @@ def derived_numbers(
     numbers : of all routes, with what is printed (`numbers.with_claims`).   claims : the table of verdicts, as text.
     schemes, cycles : by `authors_route.scheme_table` and `trial_table`.
     """
-    osc, of_key = case.oscillator, by_key(numbers)
+    by_key = of_routes.by_key(numbers)
     exact, rebuilt = (
-        {name: features_of(of_key, route, name, case.omega(name)) for name in case.frequencies_hz}
+        {n: of_routes.features_of(by_key, route, n, case.omega(n)) for n in case.frequencies_hz}
         for route in ("exact", "as_published")
     )
-    first = next(iter(exact))
-    derived = setting(case) | recipe(case, exact[first]) | verdict_counts(claims)
-    derived |= rows("chance", proof.chance(claims)) | rows("routes", proof.by_route(claims))
-    derived |= rows("choices", {kind: len(of) for kind, of in proof.free_choices(case).items()})
-    derived |= inputs_of_table_3(case, of_key) | left_open(case, exact, of_key)
-    derived |= damping(case, first, schemes) | integral_deviations(
-        exact[first], rebuilt[first], numbers, schemes
-    )
+    first, *_, last = exact
+    derived = {
+        **setting(case, exact[first]),
+        **verdict_counts(claims),
+        **rows("chance", evidence.chance(claims)),
+        **rows("routes", evidence.by_route(claims)),
+        **rows("choices", {n: len(of) for n, of in evidence.free_choices(case).items()}),
+        **inputs_of_table_3(case, by_key),
+        **left_open(case, last, exact[last], by_key),
+        **damping(case, first, schemes),
+        **integral_deviations(exact[first], rebuilt[first], numbers, schemes),
+        **step_from_work(numbers, schemes, case),
+        **agreement_of_instants(sampling_instants(cycles, numbers), numbers),
+        **largest_errors(numbers),
+    }
     # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
-    per_sample = 2.0 * rebuilt[first].V_s * case.numerics.step_s  # of a, for one sample more
-    detected = np.abs((_printed(numbers, "a") - rebuilt[first].a) / per_sample)
-    derived |= {"rebuilt.a.samples": (detected.max(), "")}
-    derived |= step_from_work(numbers, schemes, case)
-    derived |= agreement_of_instants(sampling_instants(cycles, numbers), numbers)
+    per_sample = 2.0 * rebuilt[first].V_s * case.numerics.step_s
+    off = (_printed(numbers, "a") - rebuilt[first].a) / per_sample
+    derived["rebuilt.a.samples"] = (_largest(off), "")
     for name, features in exact.items():
-        derived |= balance_terms(name, features, osc) | lock_in_errors(
-            name, features, osc, case.pairs
-        )
-    work = [_largest(fundamental_work_errors(features, osc)) for features in exact.values()]
-    derived |= {"W_fundamental": (max(work), "%")}
-    for approach, kinds in {
-        "direct": ("largest", "least_squares"),
-        "fourier": ("largest",),
-    }.items():
-        errors = select(numbers, approach=approach, unit="%")
-        errors = errors[errors["kind"].isin(kinds)].groupby("quantity")["exact"]
-        largest = errors.agg(lambda of: of.abs().max())
-        derived |= rows(f"largest.{approach}", {term: largest[term] for term in TERMS}, "%")
-    approaches = comparison.approaches_table(of_key, case.frequencies_hz)
+        derived |= balance_terms(name, features, case.oscillator)
+        derived |= lock_in_errors(name, features, case.oscillator, case.pairs)
+    # of πkYX_1 sin φ_1, which is rounding
+    work = (
+        np.pi
+        * case.oscillator.k
+        * np.array([f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()])
+    )
+    derived["W_fundamental"] = (100.0 * _largest(work - 1.0), "%")
+    approaches = comparison.approaches_table(by_key, case.frequencies_hz)
     for name, shifts in comparison.cause_shifts(approaches, case.frequencies_hz).items():
         derived |= rows(f"cause.{name}", {cause: shifts[cause] for cause in comparison.CAUSES}, "%")
     return derived
 
 
-def setting(case: Case) -> Rows:
-    """Describe the simulation: its scheme and step, the rounded coefficients of the equation divided by m, and counts."""
-    numerics, coefficients = case.numerics, printed_coefficients(case)
-    sizes = {"levels": case.levels_m, "frequencies": case.frequencies_hz, "pairs": case.pairs}
-    return {
-        "swing": (2e6 * case.oscillator.Z_m, "µm"),  # 2 Z_m
-        "scheme": (numerics.scheme.replace("-", " ").replace("euler", "Euler"), ""),
-        "step": (1e6 * numerics.step_s, "µs"),
-        "c_over_m": (coefficients["c_over_m"], "s⁻¹"),
-        "k_over_m": (coefficients["k_over_m"], "s⁻²"),
-        **rows("count", {name: len(of) for name, of in sizes.items()}),
-    }
+def setting(case: Case, exact: Features) -> Rows:
+    """Describe the simulation, and how the responses at the first frequency are read, step by step, for Table 3.
 
-
-def recipe(case: Case, exact: Features) -> Rows:
-    """Return the numbers of the recipe for Table 3: how the responses at the first frequency are read.
-
-    None stands for a rule that the case does not have.
+    c_over_m, k_over_m : the rounded coefficients of the equation divided by m.   count : numbers of levels and so on.
 
     periods : number simulated before the cycle that is read.
     slip_samples : number of samples after the detection of slip at which a begins, level by level.
@@ -146,36 +106,39 @@ def recipe(case: Case, exact: Features) -> Rows:
 
     exact : features of the exact responses; read to such coarse units, those of the simulation give the same numbers.
     """
-    numerics = case.numerics
-    rules = ReadOut.from_config(numerics.two_point)
-    common = rules.common(exact)
-    swings = sorted({round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()})
-    swing = swings[0] if rules.X_s_mark is not None and len(swings) == 1 else None
-    X_unit = None if rules.X_decimals is None else 10.0 ** (6 - rules.X_decimals)
-    mark = None if rules.X_s_mark is None else 1e6 * rules.X_s_mark
-    unit = None if rules.t_s_unit is None else 1e3 * rules.t_s_unit
-    counted = {
-        "periods": numerics.cycles - CYCLES_TO_READ,
-        "slip_samples": ", ".join(map(str, numerics.slip_samples)),
-        "steps": round(rules.t_s_inset / numerics.step_s, 3),
-        "phi": float(common.phi[0]),
-        "phi_decimals": rules.common_phi_decimals,
-    }
+    numerics, rules = case.numerics, ReadOut.from_config(case.numerics.two_point)
+    coefficients, common = authors_route.printed_coefficients(case), rules.common(exact)
+    sizes = {"levels": case.levels_m, "frequencies": case.frequencies_hz, "pairs": case.pairs}
+    swings = {round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()}
+    agreed = rules.X_s_mark is not None and len(swings) == 1
     return {
-        **rows("recipe", counted),
-        **rows("recipe", {"X": X_unit, "mark": mark, "swing": swing}, "µm"),
-        **rows("recipe", {"t_s_unit": unit, "t_s": 1e3 * float(common.t_s[0])}, "ms"),
+        "swing": (2e6 * case.oscillator.Z_m, "µm"),  # 2 Z_m
+        "scheme": (numerics.scheme.replace("-", " ").replace("euler", "Euler"), ""),
+        "step": (1e6 * numerics.step_s, "µs"),
+        "c_over_m": (coefficients["c_over_m"], "s⁻¹"),
+        "k_over_m": (coefficients["k_over_m"], "s⁻²"),
+        **rows("count", {name: len(of) for name, of in sizes.items()}),
+        "recipe.periods": (numerics.cycles - CYCLES_TO_READ, ""),
+        "recipe.slip_samples": (", ".join(map(str, numerics.slip_samples)), ""),
+        "recipe.X": (rules.X_decimals and 10.0 ** (6 - rules.X_decimals), "µm"),
+        "recipe.mark": (rules.X_s_mark and 1e6 * rules.X_s_mark, "µm"),
+        "recipe.swing": (swings.pop() if agreed else None, "µm"),
+        "recipe.steps": (round(rules.t_s_inset / numerics.step_s, 3), ""),
+        "recipe.t_s_unit": (rules.t_s_unit and 1e3 * rules.t_s_unit, "ms"),
+        "recipe.t_s": (1e3 * float(common.t_s[0]), "ms"),
+        "recipe.phi": (float(common.phi[0]), ""),
+        "recipe.phi_decimals": (rules.common_phi_decimals, ""),
     }
 
 
 def verdict_counts(claims: pd.DataFrame) -> Rows:
     """Return how many numbers earn each verdict, by part of the paper; and the mark and the meaning of each verdict."""
     counted: Rows = {}
-    for count in counts(claims):
+    for count in verdicts.counts(claims):
         others = {"computed": count.computed, "given": count.given}
         others |= {"statement": count.statements, "statements_held": count.statements_held}
         counted |= rows(f"verdicts.{count.key}", {**count.of_verdict, **others})
-    for name, verdict in VERDICTS.items():
+    for name, verdict in verdicts.VERDICTS.items():
         counted |= rows(f"verdict.{name}", {"mark": verdict.mark, "meaning": verdict.meaning})
     return counted
 
@@ -185,30 +148,30 @@ def inputs_of_table_3(case: Case, numbers: Numbers) -> Rows:
 
     moved : with the input one step less, 0, and one step more, 1; or with the other sign, 0.
     """
-    found = proof.inputs_of_table_3(case, numbers)
-    given = {name: found[name] for name in ("inputs", "given", "given_by_exact_X")}
-    derived = rows("table_3", given)
+    found = evidence.inputs_of_table_3(case, numbers)
+    derived = rows(
+        "table_3", {name: found[name] for name in ("inputs", "given", "given_by_exact_X")}
+    )
     derived |= rows("moved_X", dict(zip(("fewest", "most"), found["moved_X"], strict=True)))
     for name in ("X + X_s", "t_s", "phi", "sign"):
         derived |= rows(f"moved.{name}", dict(enumerate(found["moved"][name])))
     return derived
 
 
-def left_open(case: Case, exact: Mapping[str, Features], numbers: Numbers) -> Rows:
-    """Count how often unprinted read-outs exceed the largest error that the paper states at its last frequency.
+def left_open(case: Case, frequency: str, exact: Features, numbers: Numbers) -> Rows:
+    """Count how often unprinted read-outs exceed the largest error that the paper states at a frequency.
 
     draws, seed : of the Monte Carlo.   0, 1, 2 : of the spreads, half widths of X and φ, and the share of draws above
     the printed bound.   rounded : low and high, between which the largest error of the inner part of the draws lies
     where X alone is rounded as for Table 3.
     """
-    last, features = list(exact.items())[-1]
-    worst = Key(last, "any", HARMONIC, "largest", sharing="common", unit="%")
+    worst = of_routes.Key(frequency, "any", of_routes.HARMONIC, "largest", "", "common", unit="%")
     bound = float(numbers[worst]["printed"] or math.nan)
-    (rounded,) = unprinted.drawn(features, case, bound, [unprinted.ROUNDED])
+    (rounded,) = unprinted.drawn(exact, case, bound, [unprinted.ROUNDED])
     derived = rows("unprinted", {"draws": unprinted.DRAWS, "seed": unprinted.SEED})
     derived |= rows("unprinted", {"inner": 100.0 * (1.0 - 2.0 * unprinted.RARE)}, "%")
     derived |= rows("unprinted.rounded", {"low": rounded.low, "high": rounded.high}, "%")
-    for n, of in enumerate(unprinted.drawn(features, case, bound)):
+    for n, of in enumerate(unprinted.drawn(exact, case, bound)):
         derived[f"unprinted.{n}.X"] = (1e6 * of.X_m, "µm")
         derived[f"unprinted.{n}.phi"] = (of.phi_rad, "rad")
         derived[f"unprinted.{n}.above"] = (100.0 * of.share, "%")
@@ -220,15 +183,16 @@ def damping(case: Case, frequency: str, schemes: pd.DataFrame) -> Rows:
 
     schemes : the table of `authors_route.scheme_table`.
     """
-    omega, coefficient = case.omega(frequency), printed_coefficients(case)["c_over_m"]
-    own = {"added": added_damping(case, omega), "effective": effective_damping(case, omega)}
-    by_hand = {
-        "rounded": case.oscillator.m * coefficient,
-        "by_hand": damping_by_hand(case, frequency),
-    }
+    omega, unit = case.omega(frequency), "N s/m"
+    rounded = case.oscillator.m * authors_route.printed_coefficients(case)["c_over_m"]
     simulated = select(schemes, coefficients="rounded").drop_duplicates("scheme")
-    of_scheme = dict(zip(simulated["scheme"], simulated["c_N_s_per_m"], strict=True))
-    return {n: (c, "N s/m") for n, c in own.items()} | rows("c", by_hand | of_scheme, "N s/m")
+    return {
+        "added": (authors_route.added_damping(case, omega), unit),
+        "effective": (authors_route.effective_damping(case, omega), unit),
+        "c.rounded": (rounded, unit),
+        "c.by_hand": (authors_route.damping_by_hand(case, frequency), unit),
+        **rows("c", simulated.set_index("scheme")["c_N_s_per_m"].to_dict(), unit),
+    }
 
 
 def integral_deviations(
@@ -237,27 +201,23 @@ def integral_deviations(
     """Return relative deviations of the printed a, b and W of Table 2.
 
     dev : from the exact ones, at the highest level.   rebuilt : from the rebuilt ones, the largest in size; b at the
-    first level by itself.   c_over_m, unrounded : the largest of W from a simulation with c/m alone rounded, and with no
-    coefficient rounded.   by_hand : likewise, from the exact solver with the damping of the simulation put in by hand.
+    first level by itself.   c_over_m, unrounded : the largest of W from a simulation with c/m alone rounded, and with
+    no coefficient rounded.   by_hand : likewise, from the exact solver with the damping of the simulation put in.
     """
-    printed = {name: _printed(numbers, name) for name in TABLE_2}
-    of_rebuilt = {name: np.abs(of / getattr(rebuilt, name) - 1.0) for name, of in printed.items()}
-    derived = rows(
-        "dev", {name: (of / getattr(exact, name) - 1.0)[-1] for name, of in printed.items()}
-    )
-    derived |= rows("rebuilt", {name: of_rebuilt[name].max() for name in ("a", "W")})
-    derived |= {
-        "rebuilt.b": (of_rebuilt["b"][1:].max(), ""),
-        "rebuilt.b.first": (of_rebuilt["b"][0], ""),
-    }
+    printed = {name: _printed(numbers, name) for name in of_routes.TABLE_2}
+    off = {name: of / getattr(exact, name) - 1.0 for name, of in printed.items()}
+    a, b, W = (of / getattr(rebuilt, name) - 1.0 for name, of in printed.items())
+    derived = rows("dev", {name: of[-1] for name, of in off.items()})
+    largest = {"a": _largest(a), "b": _largest(b[1:]), "b.first": abs(b[0]), "W": _largest(W)}
+    derived |= rows("rebuilt", largest)
     others = {
         "c_over_m": ("backward-euler", "c_over_m"),
         "unrounded": ("backward-euler", "exact"),
         "by_hand": ("exact", "by_hand"),
     }
     for name, (scheme, coefficients) in others.items():
-        W = select(schemes, scheme=scheme, coefficients=coefficients)[FEATURE_COLUMNS["W"]]
-        derived[f"{name}.W"] = (_largest(printed["W"] / W.to_numpy() - 1.0), "")
+        of = select(schemes, scheme=scheme, coefficients=coefficients)[FEATURE_COLUMNS["W"]]
+        derived[f"{name}.W"] = (_largest(printed["W"] / of.to_numpy() - 1.0), "")
     return derived
 
 
@@ -316,35 +276,27 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
     largest = of_damping[["spread", "W"]].max()
     best = largest.sort_values("spread").iloc[:1].reset_index().iloc[0]
     cycles, others = (select(sizes, trial=name) for name in ("as_published", "other_steps"))
-    tried = {"count": cycles["cycle"].nunique(), "steps": others["step_s"].nunique()}
-    derived = rows("cycles", tried)
+    derived = rows(
+        "cycles", {"count": cycles["cycle"].nunique(), "steps": others["step_s"].nunique()}
+    )
     for name, of in spreads:
         derived |= rows(f"instants.{name}", {"min": of.min(), "max": of.max()})
     derived |= rows("other_damping", {"c": best["c_N_s_per_m"]}, "N s/m")
     return derived | rows("other_damping", {name: best[name] for name in ("spread", "W")})
 
 
-def at_a_glance(
-    evidence: Evidence, case: Case
-) -> tuple[Damping, dict[str, list[float]], list[float]]:
-    """Return the values that `figures.numerics.glance` draws: damping, and errors of F_k at each frequency, Hz.
-
-    evidence : what the figure of the numerics draws.
-    """
-    c, fit = case.oscillator.c, ("c", "least_squares", "direct")
-    damping = Damping(
-        true=c,
-        added=added_damping(case, case.omega(next(iter(case.frequencies_hz)))),
-        rebuilt=float(evidence.of("as_published", *fit).iloc[0]),
-        printed=float(evidence.printed(*fit)[0]),
-    )
-    fits = select(evidence.numbers, quantity="F_k", kind="least_squares", unit="%")
-    ways = {label: comparison.WAYS_TO_COMPARE[way] for label, way in GLANCE.items()}
-    errors = {
-        label: select(fits, **dict(zip(comparison.WAY, way, strict=True)))["exact"].tolist()
-        for label, way in ways.items()
-    }
-    return damping, errors, list(case.frequencies_hz.values())
+def largest_errors(numbers: pd.DataFrame) -> Rows:
+    """Return the largest errors of F_k and c with exact features at any frequency: of direct integration by pairs and
+    by least squares, of the Fourier balance by pairs."""
+    derived: Rows = {}
+    for approach, kinds in {
+        "direct": ("largest", "least_squares"),
+        "fourier": ("largest",),
+    }.items():
+        errors = select(numbers, approach=approach, unit="%")
+        sizes = errors[errors["kind"].isin(kinds)].set_index("quantity")["exact"].abs()
+        derived |= rows(f"largest.{approach}", {term: sizes[term].max() for term in TERMS}, "%")
+    return derived
 
 
 def lock_in_errors(
@@ -355,7 +307,7 @@ def lock_in_errors(
     largest : size of the largest error of all pairs.   least_squares : error with its sign.
     """
     table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), osc.k, pairs)
-    errors = of_errors(of_estimates(frequency, table), osc)
+    errors = of_routes.of_errors(of_routes.of_estimates(frequency, table), osc)
     return {
         f"error.{frequency}.{key.quantity}.{key.kind}.lock_in": (error, "%")
         for key, error in errors.items()
@@ -393,14 +345,8 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
     }
 
 
-def fundamental_work_errors(features: Features, osc: Oscillator) -> np.ndarray:
-    """Return the error of πkYX_1 sin φ_1 at each level, %, which is rounding."""
-    work = np.pi * osc.k * features.Y * features.X_1 * np.sin(features.phi_fundamental)
-    return np.asarray(100.0 * (work / features.W - 1.0))
-
-
 def of_study(study: Study, text: str, numbers: Mapping[str, Any]) -> Rows:
-    """Return what a study shows: its paragraph and the numbers in it (`paragraph`), its cases, and how far its axes reach."""
+    """Return what a study shows: its paragraph and the numbers in it (`paragraph`), its cases, and its axes."""
     derived = rows(f"study.{study.name}", {"paragraph": text, **numbers})
     derived |= rows("cases", {study.name: study.cases})
     for axis in study.axis_names:
