@@ -138,10 +138,15 @@ def b_of(**routes):
             "Table 2's integrals, as printed, move it by +0.0100 from exact.",
         ),
         (causes.printed_inputs, joined("90.0402", exact=1.0), ""),
-        (causes.starting_sample, joined("0.01", line="1"), f"The integral begins a sample {CYCLE}"),
+        (causes.starting_sample, joined("0.01", quantity="W"), ""),
         (
             causes.starting_sample,
-            joined("0.01", line="3"),
+            joined("0.01", quantity="a", line="1"),
+            f"The integral begins a sample {CYCLE}",
+        ),
+        (
+            causes.starting_sample,
+            joined("0.01", quantity="a", line="3"),
             f"The integral begins 2 samples {CYCLE}",
         ),
         (

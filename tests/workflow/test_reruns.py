@@ -69,6 +69,7 @@ FILES = {
     "Features read off the fixed-step records": "features/as_published/**/*",
     "Estimates from the exact features": "estimates/exact/*",
     "Estimates from the as-published features": "estimates/as_published/*",
+    "Numbers of all routes": "numbers.csv",
     "Tables": "tables/*",
 }
 """Message of a job → its results."""

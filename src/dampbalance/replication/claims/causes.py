@@ -237,6 +237,8 @@ def sign(joined: Joined) -> str:
 
 def starting_sample(joined: Joined) -> str:
     """State where the integral a begins."""
+    if joined.row.quantity != "a":
+        return ""
     numerics = joined.case.numerics
     count = numerics.after_slip(joined.level - 1)
     samples = "a sample" if count == 1 else f"{count} samples"
@@ -332,6 +334,11 @@ _READ = (
     _Read(_t_s, "one t_s of", ("t_s",), "g", 1e3, "ms"),
     _Read(("phi_decimals", "common_phi_decimals"), "one phi of", ("phi",), ".6g", 1.0, "rad"),
 )
+
+
+def rules_at_work(joined: Joined) -> str:
+    """State what moves a number of Table 3 from exact."""
+    return joined.sources.rules_at_work(joined.row)
 
 
 def _rules_at_work(case: Case, exact: Features, unrounded: Features) -> Callable[[Row], str]:
