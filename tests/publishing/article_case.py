@@ -7,9 +7,7 @@ and the map (fewer oscillators).
 from __future__ import annotations
 
 import contextlib
-import functools
 import json
-import operator
 import re
 import runpy
 import shutil
@@ -24,10 +22,8 @@ from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
 from dampbalance.figures import style
-from dampbalance.project.files import EVERY_DIGIT, write_csv, write_json
+from dampbalance.project.files import EVERY_DIGIT, read_csv, write_csv, write_json, write_rows
 from dampbalance.publishing.article import compiling
-from dampbalance.replication.numbers import by_key
-from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.study_file import PAPER_CASE
 from legible import faults
@@ -36,7 +32,6 @@ from replication.routes import (
     CONFIG,
     PAPER,
     ROOT,
-    approaches,
     computed,
     exact,
     judged,
@@ -107,17 +102,13 @@ class Project:
             shutil.copytree(self.folder / name, folder / name)
         return Project(folder)
 
-    def change(self, file: str, pointer: str, *value: object) -> None:
-        """Put another value at a pointer of a JSON result, or none at all."""
-        path = self.folder / RESULTS / file
-        document = json.loads(path.read_text(encoding="utf-8"))
-        *parents, name = pointer.split("/")[1:]
-        at = functools.reduce(operator.getitem, parents, document)
-        if value:
-            at[name] = value[0]
-        else:
-            del at[name]
-        write_json(path, document)
+    def change(self, name: str, *value: object) -> None:
+        """Put another value under the id of a derived number, or none at all."""
+        path = self.folder / RESULTS / "derived.csv"
+        rows = {row["id"]: row for row in read_csv(path, dtype=str).to_dict("records")}
+        rows.pop(name, None)
+        others = [{"id": name, "value": of, "unit": ""} for of in value]
+        write_rows(path, [*rows.values(), *others])
 
     def run(
         self,
@@ -165,12 +156,8 @@ def build(folder: Path) -> None:
 
 
 def _routes(folder: Path) -> None:
-    """Write features, estimates, claims and tables."""
-    frames: dict[str, Any] = {"claims": judged()}
-    frames["numbers"] = numbers().drop(columns=["printed", "verdict"])
-    tables = paper_tables(by_key(numbers()), FIRST)
-    frames |= {f"tables/{name}": tables[name] for name in ("table1", "table2", "table3")}
-    frames["tables/approaches"] = approaches()
+    """Write the numbers of the routes, and the claims."""
+    frames = {"claims": judged(), "numbers": numbers().drop(columns=["printed", "verdict"])}
     for name, frame in frames.items():
         file = folder / f"{RESULTS}/{name}.csv"
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -190,19 +177,18 @@ def _studies(project: Project) -> tuple[list[str], list[str]]:
 
 
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
-    """Write schemes.csv, evidence.json, studies.json, environment.json, and the article's own figures."""
+    """Write derived.csv, and the article's own figures."""
     article, names = f"{RESULTS}/article", ("numerics", "glance")
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
         "numbers": f"{RESULTS}/numbers.csv",
-        "approaches": f"{RESULTS}/tables/approaches.csv",
         "steps": cases[OF_ARTICLE.index("step_size")],
         "study_cases": cases,
         "study_files": files,
         "citation": "CITATION.cff",
     }
-    output = {name: f"{article}/{name}.json" for name in ("evidence", "studies", "environment")}
-    output |= {name: f"{article}/{name}.csv" for name in ("schemes", "cycles")}
+    output = {name: f"{article}/{name}.csv" for name in ("schemes", "cycles")}
+    output |= {"derived": f"{RESULTS}/derived.csv"}
     output |= {
         f"{n}_{kind}": f"{RESULTS}/figures/{n}.{kind}" for n in names for kind in ("svg", "png")
     }
@@ -212,7 +198,6 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         inputs,
         case=CONFIG,
         frequency=FIRST,
-        studies=OF_ARTICLE,
         papers=[PAPER_CASE] * len(OF_ARTICLE),
         packages=["dampbalance", "numpy", "typst"],
     )

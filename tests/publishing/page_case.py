@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import copy
-import json
 from pathlib import Path
 
 from dampbalance.figures.style import save_svg
 from dampbalance.project.files import read_csv
 from dampbalance.publishing.page.report import PageContent, report_page
 from dampbalance.replication.numbers import by_key, with_claims
-from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
@@ -33,20 +31,15 @@ def results(folder: Path, article: Path) -> PageContent:
     frequency, cases = computed("frequency", folder, COARSER)
     save_svg(study_figure(frequency, cases), folder / "figure.svg", alternative_text(frequency))
     steps = read_study(article / f"{STUDIES}/step_size.yaml")
-    text, numbers = paragraph(frequency, cases)
-    of_studies = json.loads(_text(made / "article/studies.json"))
+    text, _ = paragraph(frequency, cases)
+    derived = dict(read_csv(made / "derived.csv", dtype=str)[["id", "value"]].to_numpy())
     return PageContent(
         case=CASE,
         config=copy.deepcopy(CONFIG),
         claims=claims,
-        tables={name: paper_tables(rows, name) for name in CASE.frequencies_hz},
-        approaches=read_csv(made / "tables/approaches.csv"),
+        numbers=rows,
         figures={name: _text(made / f"figures/{name}.svg") for name in FIGURES},
-        evidence=json.loads(_text(made / "article/evidence.json")),
-        shown={
-            "frequency": {"numbers": numbers, "paragraph": text},
-            "step_size": of_studies["step_size"],
-        },
+        derived={**derived, "study.frequency.paragraph": text},
         studies=[
             (frequency, _text(folder / "figure.svg")),
             (steps, _text(article / f"{STUDIES}/step_size/figure.svg")),
