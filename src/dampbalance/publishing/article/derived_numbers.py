@@ -367,7 +367,7 @@ def of_environment(
         **rows("package", packages),
         **rows("software", stated),
         **rows("author", dict(enumerate(software["authors"]))),
-        **rows("address", software["addresses"]),
+        **rows("software.address", software["addresses"]),
     }
 
 
