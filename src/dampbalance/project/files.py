@@ -112,7 +112,7 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
     write_text(path, out.getvalue())
 
 
-NAMES = ("frequency", "line", "unit", "printed", "verdict")
+NAMES = ("id", "frequency", "phase", "sharing", "line", "unit", "printed", "verdict")
 """Columns that hold names or printed digits, which may look like a number, or like no value (01, 1e3, nan)."""
 
 
