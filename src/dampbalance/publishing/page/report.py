@@ -154,23 +154,21 @@ def _parts(
     table : of `rebuilt_tables.paper_tables`.
     claims : id → row of the table of claims, from which the cells take their digits on the way, {} for none.
     """
+
+    def text(cell: Mapping[Any, Any], route: str) -> str:
+        return _typeset(claims.get(cell["id"], {}).get(route) or number_text(cell[route]))
+
     for quantities, block in blocks(table):
         groups = []
         for label, rows in block.groupby("row", sort=False):
             cells = rows.to_dict("records")
             printed = [
-                (_typeset(text), judged.VERDICTS[cell["verdict"]] if text else None, cell["id"])
-                for cell in cells
-                for text in [cell["printed"]]
+                (_typeset(c["printed"]), judged.VERDICTS.get(c["verdict"]), c["id"]) for c in cells
             ]
-            lines = [("printed", printed)] if any(text for text, *_ in printed) else []
+            lines = [("printed", printed)] if any(of for of, *_ in printed) else []
             for route in SHOWN_ROUTES:
-                texts = (
-                    claims.get(cell["id"], {}).get(route, "") or number_text(float(cell[route]))
-                    for cell in cells
-                )
                 lines.append(
-                    (judged.ROUTE_NAMES[route], [(_typeset(text), None, "") for text in texts])
+                    (judged.ROUTE_NAMES[route], [(text(c, route), None, "") for c in cells])
                 )
             groups.append((label, lines))
         columns = list(zip(quantities, map(unit_text, block["unit"]), strict=False))
