@@ -86,7 +86,7 @@ rule all:
         # they are inputs here.
         rules.features.input if not MEASURED else [],
         rules.estimates.input if not MEASURED else [],
-        rules.tables.output if not MEASURED else [],
+        [*rules.numbers.output, *rules.tables.output] if not MEASURED else [],
         rules.figures.output if not MEASURED else [],
         [*rules.claims.output, *rules.check.output] if config["published"] else [],
         rules.article.output if config["published"] else [],

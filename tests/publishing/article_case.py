@@ -7,9 +7,7 @@ and the map (fewer oscillators).
 from __future__ import annotations
 
 import contextlib
-import functools
 import json
-import operator
 import re
 import runpy
 import shutil
@@ -24,9 +22,8 @@ from matplotlib.figure import Figure
 
 from dampbalance import figures, steady_orbit
 from dampbalance.figures import style
-from dampbalance.project.files import write_csv, write_json
+from dampbalance.project.files import EVERY_DIGIT, read_csv, write_csv, write_json, write_rows
 from dampbalance.publishing.article import compiling
-from dampbalance.replication.rebuilt_tables import paper_tables
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.study_file import PAPER_CASE
 from folders import PUBLISHED
@@ -36,12 +33,10 @@ from replication.routes import (
     CONFIG,
     PAPER,
     ROOT,
-    approaches,
-    as_published,
     computed,
     exact,
     judged,
-    unrounded,
+    numbers,
 )
 
 RESULTS, STUDIES = "results/paper", "results/studies"
@@ -108,17 +103,13 @@ class Project:
             shutil.copytree(self.folder / name, folder / name)
         return Project(folder)
 
-    def change(self, file: str, pointer: str, *value: object) -> None:
-        """Put another value at a pointer of a JSON result, or none at all."""
-        path = self.folder / RESULTS / file
-        document = json.loads(path.read_text(encoding="utf-8"))
-        *parents, name = pointer.split("/")[1:]
-        at = functools.reduce(operator.getitem, parents, document)
-        if value:
-            at[name] = value[0]
-        else:
-            del at[name]
-        write_json(path, document)
+    def change(self, name: str, *value: object) -> None:
+        """Put another value under the id of a derived number, or none at all."""
+        path = self.folder / RESULTS / "derived.csv"
+        rows = {row["id"]: row for row in read_csv(path, dtype=str).to_dict("records")}
+        rows.pop(name, None)
+        others = [{"id": name, "value": of, "unit": ""} for of in value]
+        write_rows(path, [*rows.values(), *others])
 
     def run(
         self,
@@ -166,22 +157,12 @@ def build(folder: Path) -> None:
 
 
 def _routes(folder: Path) -> None:
-    """Write features, estimates, claims and tables."""
-    routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
-    claims = judged()
-    frames: dict[str, Any] = {"claims": claims}
-    frames[f"features/as_published/unrounded/{FIRST}"] = unrounded()
-    for route, of in routes.items():
-        for name in CASE.frequencies_hz:
-            frames[f"features/{route}/{name}"] = of.features[name]
-            frames[f"estimates/{route}/{name}"] = of.estimates[name]
-    tables = paper_tables(routes, FIRST, claims)
-    frames |= {f"tables/{name}": tables[name] for name in ("table1", "table2", "table3")}
-    frames["tables/approaches"] = approaches()
+    """Write the numbers of the routes, and the claims."""
+    frames = {"claims": judged(), "numbers": numbers().drop(columns=["printed", "verdict"])}
     for name, frame in frames.items():
         file = folder / f"{RESULTS}/{name}.csv"
         file.parent.mkdir(parents=True, exist_ok=True)
-        write_csv(file, frame)
+        write_csv(file, frame, EVERY_DIGIT)
 
 
 def _studies(project: Project) -> tuple[list[str], list[str]]:
@@ -197,22 +178,18 @@ def _studies(project: Project) -> tuple[list[str], list[str]]:
 
 
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
-    """Write schemes.csv, evidence.json, studies.json, environment.json, and the article's own figures."""
+    """Write derived.csv, and the article's own figures."""
     article, names = f"{RESULTS}/article", ("numerics", "glance")
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
-        "unrounded": f"{RESULTS}/features/as_published/unrounded/{FIRST}.csv",
-        "approaches": f"{RESULTS}/tables/approaches.csv",
-        "exact": f"{RESULTS}/features/exact/{FIRST}.csv",
-        "as_published": f"{RESULTS}/estimates/as_published/{FIRST}.csv",
+        "numbers": f"{RESULTS}/numbers.csv",
         "steps": cases[OF_ARTICLE.index("step_size")],
         "study_cases": cases,
         "study_files": files,
         "rivals": [f"{PUBLISHED}/schemes.csv"],
         "citation": "CITATION.cff",
     }
-    output = {name: f"{article}/{name}.json" for name in ("evidence", "studies", "environment")}
-    output |= {"schemes": f"{article}/schemes.csv"}
+    output = {"derived": f"{RESULTS}/derived.csv"}
     output |= {
         f"{n}_{kind}": f"{RESULTS}/figures/{n}.{kind}" for n in names for kind in ("svg", "png")
     }
@@ -222,8 +199,6 @@ def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
         inputs,
         case=CONFIG,
         frequency=FIRST,
-        folder=RESULTS,
-        studies=OF_ARTICLE,
         papers=[PAPER_CASE] * len(OF_ARTICLE),
         packages=["dampbalance", "numpy", "typst"],
     )

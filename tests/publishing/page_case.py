@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import copy
-import json
 from pathlib import Path
 
-import pandas as pd
-
 from dampbalance.figures.style import save_svg
-from dampbalance.project.files import read_csv, write_csv
+from dampbalance.project.files import read_csv
 from dampbalance.publishing.page.report import PageContent, report_page
-from dampbalance.replication.rebuilt_tables import paper_tables
+from dampbalance.replication.numbers import by_key, with_claims
 from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from publishing.article_case import RESULTS, STUDIES
-from replication.routes import CASE, CONFIG, PAPER, as_published, computed, exact
+from replication.routes import CASE, CONFIG, computed
 
 PAGE = "results/paper/report.html"
 COARSER = ("count: 441", "count: 45")  # than in config/studies
@@ -30,30 +27,19 @@ def results(folder: Path, article: Path) -> PageContent:
     """
     made = article / RESULTS
     claims = read_csv(made / "claims.csv", dtype=str)
-    routes = {"exact": exact(PAPER), "as_published": as_published(PAPER)}
+    rows = by_key(with_claims(read_csv(made / "numbers.csv"), claims))
     frequency, cases = computed("frequency", folder, COARSER)
     save_svg(study_figure(frequency, cases), folder / "figure.svg", alternative_text(frequency))
     steps = read_study(article / f"{STUDIES}/step_size.yaml")
-    text, numbers = paragraph(frequency, cases)
-    of_studies = json.loads(_text(made / "article/studies.json"))
+    text, _ = paragraph(frequency, cases)
+    derived = dict(read_csv(made / "derived.csv", dtype=str)[["id", "value"]].to_numpy())
     return PageContent(
         case=CASE,
         config=copy.deepcopy(CONFIG),
         claims=claims,
-        tables={
-            name: {
-                table: _through(folder / f"{table}_{name}.csv", frame)
-                for table, frame in paper_tables(routes, name, None if n else claims).items()
-            }
-            for n, name in enumerate(CASE.frequencies_hz)
-        },
-        approaches=read_csv(made / "tables/approaches.csv"),
+        numbers=rows,
         figures={name: _text(made / f"figures/{name}.svg") for name in FIGURES},
-        evidence=json.loads(_text(made / "article/evidence.json")),
-        shown={
-            "frequency": {"numbers": numbers, "paragraph": text},
-            "step_size": of_studies["step_size"],
-        },
+        derived={**derived, "study.frequency.paragraph": text},
         studies=[
             (frequency, _text(folder / "figure.svg")),
             (steps, _text(article / f"{STUDIES}/step_size/figure.svg")),
@@ -68,9 +54,3 @@ def page_of(made: PageContent) -> str:
 
 def _text(file: Path) -> str:
     return file.read_text(encoding="utf-8")
-
-
-def _through(file: Path, frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame as it comes back from its file."""
-    write_csv(file, frame)
-    return read_csv(file)

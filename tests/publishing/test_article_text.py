@@ -269,35 +269,33 @@ def test_numbers_are_rounded_as_python_rounds_them():
 # --- where it comes from -------------------------------------------------------------------------
 
 FILES = {
-    "results/article/evidence.json": """{
- "setting": {
-  "m": 2.42,
-  "levels_mm": [
-   4,
-   6.5
-  ],
-  "k": "stiff",
-  "K_z": 5
- }
-}
+    "results/derived.csv": """id,value,unit
+swing,12.3077,µm
+step,stiff,µs
+a.number,1,
 """,
-    "results/article/schemes.csv": """scheme,coefficients,level,c_N_s_per_m
-rk4,rounded,1,90.1
-leapfrog,rounded,1,90.2
-leapfrog,rounded,1,90.3
+    "results/numbers.csv": """id,frequency,quantity,approach,kind,phase,sharing,line,unit,exact,as_published
+parameter.m,,m,,parameter,,,all,kg,2.42,
+table1.X.1,omega1,X,,level,,,1,m,0.0027279,0.00273
+,omega2,F_k,X_s,least_squares,reversal,common,all,%,-19.4871,
+,omega2,F_k,direct,largest,,,all,%,-3e-12,
+""",
+    "results/claims.csv": """id,printed,unit,verdict
+parameter.m,2.42,kg,reproduced
+table1.X.1,2.73E-3,m,simulated
 """,
 }
 
 
 @pytest.fixture
 def value_of(tmp_path):
-    """Return a function from a key to its value in a folder that lacks one of three listed results."""
-    (tmp_path / "results/article").mkdir(parents=True)
+    """Return a function from a key to its value in a folder with three small results."""
+    (tmp_path / "results").mkdir()
     for name in ("values.typ", "numbers.typ"):
         shutil.copy(ARTICLE / name, tmp_path)
     for name, text in FILES.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    listed = dict.fromkeys([*FILES, "results/article/studies.json"], "a rule")
+    listed = dict.fromkeys(FILES, "a rule")
     inputs = {"results": "/results", "studies": "/studies", "sources": listed}
 
     def value(key: str) -> dict:
@@ -307,30 +305,53 @@ def value_of(tmp_path):
     return value
 
 
-def test_a_value_names_its_place(value_of):
-    mass = value_of("m")
-    assert mass["text"] == "2.42"
-    assert mass["unit"] == "kg"
-    assert (mass["file"], mass["pointer"]) == ("results/article/evidence.json", "/setting/m")
-    assert [value_of(key)["line"] for key in ("m", "level.0", "level.1", "K_z")] == [3, 5, 6, 9]
-    damping = value_of("c.rk4")
-    assert damping["text"] == "90.1000"
-    assert damping["row"] == {"scheme": "rk4", "coefficients": "rounded", "level": "1"}
-    assert (damping["column"], damping["rule"], damping["source"]) == ("c_N_s_per_m", "a rule", 2)
-    assert damping["line"] == 2
+@pytest.mark.parametrize(
+    ("key", "text", "unit", "file", "line", "name", "column"),
+    [
+        ("swing", "12.308", "µm", "derived", 2, "swing", "value"),
+        ("parameter.m", "2.42", "kg", "numbers", 2, "parameter.m", "exact"),
+        ("table1.X.1.printed", "2.73", "m", "claims", 3, "table1.X.1", "printed"),
+        ("table1.X.1.exact", "2.7279", "m", "numbers", 3, "table1.X.1", "exact"),
+        ("table1.X.1.as_published", "2.73", "m", "numbers", 3, "table1.X.1", "as_published"),
+        ("table1.X.1.verdict", "simulated", "m", "claims", 3, "table1.X.1", "verdict"),
+        ("claim.table1.X.1.printed", "2.73·10⁻³", "m", "claims", 3, "table1.X.1", "printed"),
+        *(
+            (
+                f"error.omega2.F_k.{way}",
+                text,
+                "%",
+                "numbers",
+                line,
+                f"error.omega2.F_k.{way}",
+                "exact",
+            )
+            for way, text, line in (
+                ("least_squares.X_s.reversal.common", "−19", 4),
+                ("largest.direct", "10⁻¹¹", 5),
+            )
+        ),
+    ],
+)
+def test_a_value_names_its_place(value_of, key, text, unit, file, line, name, column):
+    value = value_of(key)
+    assert (value["text"], value["unit"]) == (text, unit)
+    assert value["file"] == f"results/{file}.csv"
+    assert (value["line"], value["id"], value["column"]) == (line, name, column)
+    assert (value["rule"], value["source"]) == (
+        "a rule",
+        ["derived", "numbers", "claims"].index(file) + 1,
+    )
 
 
 @pytest.mark.parametrize(
     ("key", "message"),
     [
-        ("c.leapfrog", r"article/schemes\.csv: 2 rows with .*leapfrog.*, the article needs one"),
-        ("c.euler", r"article/schemes\.csv: 0 rows with .*euler.*, the article needs one"),
-        ("level.2", r"results/article/evidence\.json: nothing at /setting/levels_mm/2"),
-        ("dev.a", r"results/article/evidence\.json: nothing at /integrals/a/printed/last"),
-        ("k", r'k: results/article/evidence\.json: /setting/k: "stiff" is not a number'),
-        ("within", r"file not found .*results/article/studies\.json"),
-        ("python", r"results/article/environment\.json is not among the inputs of the article"),
-        ("mass", "the article has no value mass"),
+        ("mass", "no result has mass"),
+        ("table1.X.2.exact", r"no result has table1\.X\.2\.exact"),
+        ("table1.X.1.guessed", r"no result has table1\.X\.1\.guessed"),
+        ("error.omega2.F_k.largest", r"no result has error\.omega2\.F_k\.largest"),
+        ("a.number", r"no form is stated for a\.number"),
+        ("step", r'step: results/derived\.csv: value: "stiff" is not a number'),
     ],
 )
 def test_a_value_that_is_not_there_is_an_error(value_of, key, message):
@@ -338,8 +359,14 @@ def test_a_value_that_is_not_there_is_an_error(value_of, key, message):
         value_of(key)
 
 
-def test_a_table_without_the_column_is_an_error(value_of, tmp_path):
-    file = tmp_path / "results/article/schemes.csv"
-    file.write_text(file.read_text("utf-8").replace("c_N_s_per_m", "c"), encoding="utf-8")
-    with pytest.raises(RuntimeError, match=r'schemes\.csv: no column "c_N_s_per_m"'):
-        value_of("c.rk4")
+def test_two_rows_of_one_id_are_an_error(value_of, tmp_path):
+    file = tmp_path / "results/derived.csv"
+    file.write_text(f"{file.read_text('utf-8')}swing,13,µm\n", encoding="utf-8")
+    with pytest.raises(RuntimeError, match=r"derived\.csv: two rows are called swing"):
+        value_of("swing")
+
+
+def test_a_result_that_is_not_there_is_an_error(value_of, tmp_path):
+    (tmp_path / "results/claims.csv").unlink()
+    with pytest.raises(RuntimeError, match=r"file not found .*results/claims\.csv"):
+        value_of("swing")

@@ -10,11 +10,10 @@ import pandas as pd
 import pytest
 
 from dampbalance.features import Features
-from dampbalance.figures.numerics import Damping, Evidence, glance
+from dampbalance.figures.numerics import Evidence, glance
 from dampbalance.project.files import read_csv
 from dampbalance.publishing.article.derived_numbers import (
     agreement_of_instants,
-    at_a_glance,
     integral_deviations,
     lock_in_errors,
     sampling_instants,
@@ -26,9 +25,14 @@ from dampbalance.replication.authors_route import (
     simulate_levels,
 )
 from folders import PUBLISHED
-from replication.routes import CASE, PAPER, PRINT, approaches, as_published, exact
+from replication.routes import CASE, PAPER, as_published, exact, numbers
 
 STEP_US = 1e6 * CASE.numerics.step_s
+
+
+def values_of(rows) -> dict:
+    """The values of derived numbers by their ids."""
+    return {name: value for name, (value, _) in rows.items()}
 
 
 @pytest.fixture(scope="module")
@@ -39,9 +43,9 @@ def coarse():
 
 
 def claims_of(name: str, values) -> pd.DataFrame:
-    """Claims with the printed a or W of Table 2."""
-    ids = [f"table2.{name}.{level}" for level in range(1, len(values) + 1)]
-    return pd.DataFrame({"id": ids, "printed": [repr(float(value)) for value in values]})
+    """Numbers with the printed a or W of Table 2."""
+    printed = [repr(float(value)) for value in values]
+    return pd.DataFrame({"quantity": name, "kind": "level", "printed": printed})
 
 
 def test_the_last_cycle_is_the_one_that_features_are_read_from(coarse):
@@ -82,13 +86,13 @@ def test_the_step_is_found_from_the_work_that_it_gave(factor):
         for way, by in ways.items()
     ]
     printed = claims_of("W", limit + factor * (euler - limit))
-    steps = step_from_work(printed, pd.concat(tables), CASE)
-    assert steps["rounded"]["min"] == pytest.approx(factor * STEP_US, rel=1e-9)
-    assert steps["rounded"]["max"] == pytest.approx(factor * STEP_US, rel=1e-9)
+    steps = values_of(step_from_work(printed, pd.concat(tables), CASE))
+    assert steps["step_from_W.rounded.min"] == pytest.approx(factor * STEP_US, rel=1e-9)
+    assert steps["step_from_W.rounded.max"] == pytest.approx(factor * STEP_US, rel=1e-9)
     # W larger by 1e-6 of itself needs a longer step to come down to print
     longer = 1e-6 / np.array([1.2e-4, 1.3e-4]) * STEP_US
     for way, sign in (("c_over_m", 1.0), ("exact", -1.0)):
-        moved = np.sort([steps[way]["min"], steps[way]["max"]])
+        moved = np.sort([steps[f"step_from_W.{way}.{end}"] for end in ("min", "max")])
         np.testing.assert_allclose(moved, np.sort(factor * STEP_US + sign * longer), rtol=2e-6)
 
 
@@ -123,24 +127,21 @@ def test_instants_agree_to_what_they_were_moved_by():
     claims = pd.concat([claims_of("a", a), claims_of("W", [1.0, 1.0])])
     instants = sampling_instants(cycles, claims)
     assert instants["instant"][:2].tolist() == pytest.approx([-0.02, 0.02], rel=1e-6)
-    agreement = agreement_of_instants(instants, claims)
-    assert (agreement["count"], agreement["steps"]) == (2, 1)
-    # half of 0.34 − 0.30 and of 0.70 − 0.68
-    assert agreement["spread"]["as_published"] == pytest.approx(
-        {"min": 0.01, "max": 0.02}, rel=1e-6
-    )
-    assert agreement["spread"]["other_steps"] == pytest.approx({"min": 0.05, "max": 0.1}, rel=1e-6)
-    best = {"c": 90.1, "spread": 0.02, "W": 0.02}
-    assert agreement["other_damping"] == pytest.approx(best, rel=1e-6)
+    agreement = values_of(agreement_of_instants(instants, claims))
+    expected = {
+        **{"cycles.count": 2, "cycles.steps": 1},
+        # half of 0.34 − 0.30 and of 0.70 − 0.68
+        **{"instants.as_published.min": 0.01, "instants.as_published.max": 0.02},
+        **{"instants.other_steps.min": 0.05, "instants.other_steps.max": 0.1},
+        **{"other_damping.c": 90.1, "other_damping.spread": 0.02, "other_damping.W": 0.02},
+    }
+    assert {key: agreement[key] for key in expected} == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.fixture(scope="module")
 def printed():
-    """The claims that the numbers on Tables 2 and 3 are computed from."""
-    rows = {
-        id: row.printed for id, row in PRINT.rows.items() if id.startswith(("table2", "table3"))
-    }
-    return pd.DataFrame({"id": rows.keys(), "printed": rows.values()})
+    """What is printed, with what the routes give for it."""
+    return numbers()
 
 
 @pytest.fixture(scope="module")
@@ -156,18 +157,20 @@ def test_the_steps_of_W_are_those_of_an_independent_computation(
     schemes, printed, rounding, low, high
 ):
     """W scatters by 2e-8 of itself with where the grid of samples falls, which is 0.001 µs."""
-    steps = step_from_work(printed, schemes, CASE)[rounding]
-    assert steps["min"] == pytest.approx(low, abs=1e-3)
-    assert steps["max"] == pytest.approx(high, abs=1e-3)
+    steps = values_of(step_from_work(printed, schemes, CASE))
+    assert steps[f"step_from_W.{rounding}.min"] == pytest.approx(low, abs=1e-3)
+    assert steps[f"step_from_W.{rounding}.max"] == pytest.approx(high, abs=1e-3)
 
 
 def test_W_fits_the_exact_solver_with_the_damping_put_in_by_hand(schemes, printed):
     """Better than the simulation: numbers of an independent computation, to half a unit of their last digit."""
-    rebuilt = as_published(PAPER).features["omega1"]
-    W = integral_deviations(exact().features["omega1"], rebuilt, printed, schemes)["W"]
-    assert W["printed_from_by_hand"]["max"] == pytest.approx(2.3e-7, abs=0.05e-7)
-    assert W["printed_from_rebuilt"]["max"] == pytest.approx(3.4e-7, abs=0.05e-7)
-    assert W["printed_from_c_over_m"]["max"] == pytest.approx(5.9e-7, abs=0.05e-7)
+    of_exact, rebuilt = (
+        Features.from_frame(route.features["omega1"]) for route in (exact(), as_published())
+    )
+    off = values_of(integral_deviations(of_exact, rebuilt, printed, schemes))
+    assert off["by_hand.W"] == pytest.approx(2.3e-7, abs=0.05e-7)
+    assert off["rebuilt.W"] == pytest.approx(3.4e-7, abs=0.05e-7)
+    assert off["c_over_m.W"] == pytest.approx(5.9e-7, abs=0.05e-7)
 
 
 @pytest.fixture(scope="module")
@@ -177,61 +180,63 @@ def trials():
 
 def test_the_samples_of_a_tell_backward_euler(trials, printed):
     """Against an independent computation: backward Euler 0.020–0.023 of a step, without dissipation 0.26–0.27."""
-    agreement = agreement_of_instants(sampling_instants(trials, printed), printed)
-    spread = agreement["spread"]
+    agreement = values_of(agreement_of_instants(sampling_instants(trials, printed), printed))
     # which read a as a displacement, and not by Simpson's rule: an instant moves by up to 0.005 of a step
-    assert spread["as_published"]["min"] > 0.020 - 0.0055
-    assert spread["as_published"]["max"] < 0.0235
-    assert 0.255 < spread["by_hand"]["min"] < spread["by_hand"]["max"] < 0.275
+    assert agreement["instants.as_published.min"] > 0.020 - 0.0055
+    assert agreement["instants.as_published.max"] < 0.0235
+    low, high = (agreement[f"instants.by_hand.{end}"] for end in ("min", "max"))
+    assert 0.255 < low < high < 0.275
     # 0.23–0.49 there, at nine other steps that were not stated: any pair of levels may be half a step apart
-    assert 0.225 < spread["other_steps"]["min"] < spread["other_steps"]["max"] <= 0.5
-    assert (agreement["count"], agreement["steps"]) == (12, 9)
+    low, high = (agreement[f"instants.other_steps.{end}"] for end in ("min", "max"))
+    assert 0.225 < low < high <= 0.5
+    assert (agreement["cycles.count"], agreement["cycles.steps"]) == (12, 9)
     # no damping makes up for it: the best for the instants is off in W by 3.0e-6, against 3.4e-7 of backward Euler
-    assert agreement["other_damping"]["spread"] > 2.0 * spread["as_published"]["max"]
-    assert agreement["other_damping"]["W"] > 8.0 * 3.4e-7
+    assert agreement["other_damping.spread"] > 2.0 * agreement["instants.as_published.max"]
+    assert agreement["other_damping.W"] > 8.0 * 3.4e-7
 
 
 def test_the_steps_of_other_roundings_are_those_that_W_asks_for(trials, schemes, printed):
-    steps = step_from_work(printed, schemes, CASE)
+    steps = values_of(step_from_work(printed, schemes, CASE))
     for rounding in ("c_over_m", "exact"):
         rows = trials[trials["trial"] == f"step_of_W_{rounding}"]
         (tried,) = 1e6 * rows["step_s"].unique()
-        assert steps[rounding]["min"] < tried < steps[rounding]["max"]
+        low, high = (steps[f"step_from_W.{rounding}.{end}"] for end in ("min", "max"))
+        assert low < tried < high
 
 
 def test_the_errors_of_a_fit_have_their_sign():
     """b from the fundamental alone is too small, so that F_k by least squares comes out too large."""
-    features = exact(PAPER).features["omega2"]
-    errors = lock_in_errors(Features.from_frame(features), PAPER, CASE.pairs)
-    assert errors["least_squares"]["F_k"] > 0.0 > errors["least_squares"]["c"]
-    assert errors["pair"]["F_k"] >= errors["least_squares"]["F_k"]
+    features = Features.from_frame(exact(PAPER).features["omega2"])
+    errors = values_of(lock_in_errors("omega2", features, PAPER, CASE.pairs))
+    assert len(errors) == 4
+    fit = {term: errors[f"error.omega2.{term}.least_squares.lock_in"] for term in ("F_k", "c")}
+    assert fit["F_k"] > 0.0 > fit["c"]
+    assert errors["error.omega2.F_k.largest.lock_in"] >= fit["F_k"]
+
+
+def drawn(table):
+    """The figure at a glance, and the places of the marks in its left panel."""
+    none = pd.DataFrame()
+    figure = glance(Evidence(table, none, none, none), PAPER, CASE.numerics.step_s)
+    marks = [line.get_xdata() for line in figure.axes[0].lines if len(line.get_xdata()) == 1]
+    return figure, [round(float(place[0]), 4) for place in marks]
 
 
 def test_the_figure_shows_what_it_is_given():
-    features = exact(PAPER).features
-    claims = pd.DataFrame({"id": ["text.c_direct_ls"], "printed": ["90.0115"]})
-    none = pd.DataFrame()
-    evidence = Evidence(
-        claims, features["omega1"], as_published(PAPER).estimates["omega1"], none, none, none
-    )
-    damping, errors, hz = at_a_glance(evidence, approaches(), CASE)
-    assert damping.true == 90.0
-    assert damping.rebuilt == pytest.approx(90.0114, abs=5e-5)
-    assert damping.added == pytest.approx(PAPER.m * CASE.omega("omega1") ** 2 * 5e-6, rel=1e-12)
-    # from independent computations, half a unit of their last digit: least squares by X_s, which the paper does with
-    # each level's phase of the reversal, and never with the mean phase of its pairs
-    assert errors["paper’s fit"] == pytest.approx([0.68, -16.2, 11.8], abs=0.05)
-    assert errors["paper’s fit"][0] == pytest.approx(0.68, abs=0.005)
-    assert errors["mean $\\varphi$ (ours)"] == pytest.approx([1.37, -19.5, -65.8], abs=0.05)
-    figure = glance(damping, errors, hz)
+    """Errors from independent computations: least squares by X_s, which the paper does with each level's phase of the
+    reversal, and never with the mean phase of its pairs."""
+    figure, marks = drawn(numbers())
+    assert marks[:4] == pytest.approx([90.0, 90.0 + 0.01156, 90.0114, 90.0115], abs=1.1e-4)
+    errors = [[tip for _, (_, tip) in of.get_segments()] for of in figure.axes[1].collections]
+    assert errors[0] == pytest.approx([0.68, -16.2, 11.8], abs=0.05)
+    assert errors[0][0] == pytest.approx(0.68, abs=0.005)
+    assert errors[1] == pytest.approx([1.37, -19.5, -65.8], abs=0.05)
     shown = {text.get_text() for axes in figure.axes for text in axes.texts}
     assert {"90.0000", "90.0115", "−66", "+4.0"} <= shown
 
 
 def test_a_scheme_without_damping_is_drawn_at_the_truth():
-    figure = glance(Damping(90.0, 0.01, 90.0, 90.005), {"a": [1.0]}, [4.92])
-    left = figure.axes[0]
-    places = {
-        round(float(line.get_xdata()[0]), 4) for line in left.lines if len(line.get_xdata()) == 1
-    }
-    assert places == {90.0, 90.01, 90.005}
+    table, fit = numbers().copy(), "text.c_direct_ls"
+    table.loc[table["id"] == fit, ["as_published", "printed"]] = [90.0, "90.005"]
+    _, marks = drawn(table)
+    assert marks[2:4] == [90.0, 90.005]

@@ -20,7 +20,7 @@ from dampbalance.publishing.match import match_figure, match_words
 from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS
 from dampbalance.replication import comparison
 from dampbalance.replication.claims.verdicts import KINDS, VERDICTS, counts
-from dampbalance.replication.rebuilt_tables import claim_of
+from dampbalance.replication.rebuilt_tables import paper_tables
 from publishing.contrast import GRAPHICS_ON, TEXT_ON, contrast
 from publishing.html import Tree
 from publishing.page_case import PAGE, page_of
@@ -87,13 +87,10 @@ def test_the_headline_counts_what_is_computed(tree, made):
     for verdict, n in computed["verdict"].value_counts().items():
         said = verdict.replace("differs", "differ")
         assert re.search(rf"\b{n} {said}", lead), verdict
-    routes, luck = made.evidence["routes"], made.evidence["chance"]
     proof = " ".join(tree.one("p", id="proof")["text"].split())
-    assert f"the simulation gives {routes['simulation']} numbers" in proof
-    assert (
-        f"{luck['expected']:.1f}, is expected to agree in the last as well, and {luck['observed']} do"
-        in proof
-    )
+    assert f"the simulation gives {made.derived['routes.simulation']} numbers" in proof
+    expected, observed = (made.derived[f"chance.{name}"] for name in ("expected", "observed"))
+    assert f"{expected}, is expected to agree in the last as well, and {observed} do" in proof
     besides = tree.one("p", class_="besides")["text"]
     of_kind = made.claims["kind"].value_counts()
     assert f"{of_kind['given']} given values" in besides
@@ -127,23 +124,25 @@ def test_every_printed_cell_of_a_table_leads_to_its_claim(tree, made):
 
 
 @pytest.mark.parametrize(
-    ("cell", "claim"),
+    ("table", "row", "quantity", "claim"),
     [
-        (("table1", "4 mm", 1, "X_s"), "table1.X_s.1"),
-        (("table2", "pair 2-3", 7, "F_k"), "table2.F_k.2-3"),
-        (("table3", "pair 1-5", 5, "c by V_s"), "table3.V_s.c.1-5"),
-        (("statistics", "t_s, least squares", 3, "residual"), "text.residual_ts_ls"),
-        (("statistics", "direct, mean", 2, "c"), "text.c_direct_mean"),
+        ("table1", "4 mm", "X_s", "table1.X_s.1"),
+        ("table2", "pair 2-3", "F_k", "table2.F_k.2-3"),
+        ("table3", "pair 1-5", "c by V_s", "table3.V_s.c.1-5"),
+        ("statistics", "t_s, least squares", "residual", "text.residual_ts_ls"),
+        ("statistics", "direct, mean", "c", "text.c_direct_mean"),
     ],
 )
-def test_a_cell_knows_its_claim(made, cell, claim):
-    assert claim_of(*cell) == claim
+def test_a_cell_knows_its_claim(made, table, row, quantity, claim):
+    cells = paper_tables(made.numbers, "omega1")[table].set_index(["row", "quantity"])
+    assert cells.loc[(row, quantity), "id"] == claim
     assert claim in set(made.claims["id"])
 
 
 def test_the_errors_are_those_of_the_table(tree, made):
     text = tree.one("table", class_="errors")["text"]
-    rows = made.approaches.set_index(["frequency", "approach", "phase", "sharing"])
+    table = comparison.approaches_table(made.numbers, CASE.frequencies_hz)
+    rows = table.set_index(["frequency", "approach", "phase", "sharing"])
     worst = rows["F_k_error_percent"]["omega3", "X_s", "reversal", "common"]
     assert -67.0 < worst < -65.0  # findings: 65.8 % of least squares
     assert f"−{abs(worst):.1f}" in text
@@ -167,7 +166,8 @@ def test_off_resonance_the_page_states_three_causes_and_what_each_costs(tree, ma
         "the second does not affect, is off by +0.678 %, −16.2 % and +11.8 %.",
     ):
         assert sentence in text
-    shown = comparison.mends(made.approaches, CASE.frequencies_hz)
+    table = comparison.approaches_table(made.numbers, CASE.frequencies_hz)
+    shown = comparison.mends(table, CASE.frequencies_hz)
     assert [round(abs(row[2]), 1) for row in shown.values()] == [65.8, 11.8, 2.8, 66.6, 0.4, 0.0]
     assert "as in the paper’s pairs+1.37−19.5−65.8" in text
     assert "as in the paper’s least squares+0.678−16.2+11.8" in text
@@ -175,13 +175,10 @@ def test_off_resonance_the_page_states_three_causes_and_what_each_costs(tree, ma
 
 @pytest.mark.slow
 def test_a_case_without_a_paper_has_a_page_without_verdicts(made):
-    blank = {
-        frequency: {name: table.assign(printed="", verdict="") for name, table in of.items()}
-        for frequency, of in made.tables.items()
-    }
+    blank = {key: row | {"printed": "", "verdict": ""} for key, row in made.numbers.items()}
     figures = {name: made.figures[name] for name in ("figure3", "estimation_error")}
     own = dataclasses.replace(
-        made, claims=None, tables=blank, evidence=None, studies=[], figures=figures
+        made, claims=None, numbers=blank, derived={}, studies=[], figures=figures
     )
     tree = Tree(page_of(own))
     text = tree.one("main")["text"]
@@ -301,10 +298,10 @@ def paths(svg):
 
 
 def test_the_findings_state_the_numbers_of_the_article(tree, made):
-    added = made.evidence["dissipation"]["added"]
+    added, largest = (float(made.derived[name]) for name in ("added", "largest.fourier.F_k"))
     text = tree.one("section", id="findings")["text"]
     assert f"{added:.4f} N s/m" in text
-    assert f"off by {made.evidence['fourier_largest']['F_k']:.3f} %" in text
+    assert f"off by {largest:.3f} %" in text
 
 
 @pytest.mark.slow

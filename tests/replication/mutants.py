@@ -8,10 +8,11 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
-from dampbalance.replication.claims.rules import Sources, claims
+from dampbalance.replication.claims.rules import claims
 from dampbalance.replication.claims.verdicts import VERDICTS, part_of
-from replication.routes import PRINT, sources_of
+from replication.routes import PRINT, reprinted, sources_of
 
 
 class Mutant(NamedTuple):
@@ -42,13 +43,10 @@ _JUDGED = {
 """Part of the paper → the parts with computed numbers whose verdicts follow from what is printed there."""
 
 _FOLLOWS = {
-    "from_print": ("table1", "table2", "text"),
-    "pairs": ("table2", "table3"),
     "refuted": ("table1", "table2", "text"),
     "by_table_2": ("table2",),
     "by_table_3": ("table1", "table3", "text"),
     "misfits": (),  # depends on Tables 1 and 3, and serves causes only
-    "unread": (),
 }
 """Cached property of `Sources` → parts of the paper whose printed numbers it depends on."""
 
@@ -57,19 +55,19 @@ def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
     """The claims on all computed numbers that another text for one printed number can affect, by id, without causes:
     no verdict depends on them."""
     part = part_of(name)
-    changed = replace(sources, published=sources.published.changed({name: text}))
+    changed = reprinted(sources, sources.published.changed({name: text}))
     kept = {name: getattr(sources, name) for name in _FOLLOWS if part not in _FOLLOWS[name]}
     vars(changed).update(kept, rules_at_work=lambda row: "")
     parts = _JUDGED.get(part, (part,))
     rows = changed.published.rows.values()
-    affected = [row for row in rows if row.kind == "computed" and part_of(row.id) in parts]
+    affected = [row for row in rows if row.claim == "computed" and part_of(row.id) in parts]
     return {claim.row.id: claim for claim in claims(changed, affected)}
 
 
 @cache
 def originals() -> list[Claim]:
     """The claims on all computed numbers, as they are."""
-    return claims(sources_of(), [row for row in PRINT.rows.values() if row.kind == "computed"])
+    return claims(sources_of(), [row for row in PRINT.rows.values() if row.claim == "computed"])
 
 
 def of_print(*steps: int) -> Iterator[Mutant]:

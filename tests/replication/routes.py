@@ -7,23 +7,31 @@ from dataclasses import replace
 from decimal import Decimal
 from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 import yaml
 
 from dampbalance.estimates import estimate_table
-from dampbalance.features import Features, of_orbit, stack
+from dampbalance.features import of_orbit, stack
 from dampbalance.model import Oscillator
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import authors_route as authors
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.judging import Claim
-from dampbalance.replication.claims.print import Published, Row, read_published
-from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.print import Published, Row, from_print, read_published
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import ROUTE_NAMES
 from dampbalance.replication.comparison import approaches_table
-from dampbalance.replication.rebuilt_tables import RouteTables
+from dampbalance.replication.numbers import (
+    Key,
+    Numbers,
+    by_key,
+    numbers_table,
+    of_routes,
+    with_claims,
+)
 from dampbalance.studies import case_files, evaluate
 from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.study_file import Study
@@ -35,11 +43,18 @@ CASE = Case.from_config(CONFIG)
 PAPER = CASE.oscillator
 
 
+class Route(NamedTuple):
+    """The tables of a route by frequency: `Features.to_frame()`, and `estimate_table`."""
+
+    features: dict[str, pd.DataFrame]
+    estimates: dict[str, pd.DataFrame]
+
+
 def claim(printed: str = "1.28", **parts) -> Claim:
     """A claim on some number. parts : values by route (exact, as_published, from_print) and fields of Claim."""
     values = {route: parts.pop(route) for route in ROUTE_NAMES if route in parts}
-    row = Row("id", "where", "F_k", "", "quantity", "N", printed, "computed", "")
-    return Claim(row, values, **parts)
+    key = Key(quantity="F_k", unit="N")
+    return Claim(Row("id", "where", *key, "words", printed, "computed", ""), values, **parts)
 
 
 def with_digits_of(text: str, value: float) -> Decimal:
@@ -56,32 +71,58 @@ def judged(
     published: Published = PRINT, oscillator: Oscillator = PAPER, claimed: Oscillator | None = None
 ) -> pd.DataFrame:
     """The table of claims.   claimed : the oscillator of the configuration where it differs from the simulated one."""
-    of_routes = sources_of(oscillator, claimed or oscillator)
-    sources = replace(of_routes, published=published)
-    vars(sources)["rules_at_work"] = of_routes.rules_at_work  # does not follow from print
+    sources = reprinted(sources_of(oscillator, claimed or oscillator), published)
+    vars(sources)["rules_at_work"] = sources_of(oscillator, claimed or oscillator).rules_at_work
     return claims_table(sources)
+
+
+def reprinted(sources: Sources, published: Published) -> Sources:
+    """The sources with another print, and what follows from it by the route from print."""
+    numbers = dict(sources.numbers)
+    for key, value in from_print(published, sources.case).items():
+        numbers[key] = {**numbers[key], "from_print": value}
+    return Sources(published, sources.case, numbers)
 
 
 @lru_cache
 def sources_of(oscillator: Oscillator = PAPER, claimed: Oscillator = PAPER) -> Sources:
     """What the claims on the paper's print are judged from.   claimed : as for `judged`."""
-    return Sources(
-        PRINT,
-        case_of(claimed),
-        exact(oscillator),
-        as_published(oscillator),
-        unrounded(oscillator),
-    )
+    case = case_of(claimed)
+    routes = exact(oscillator), as_published(oscillator), unrounded(oscillator)
+    return Sources(PRINT, case, by_key(numbers_of(*routes, case)))
+
+
+def numbers_of(
+    exact: Route, as_published: Route, unrounded: pd.DataFrame, case: Case = CASE
+) -> pd.DataFrame:
+    """The table of numbers of these routes, and of the paper's print."""
+    features = {"exact": exact.features, "as_published": as_published.features}
+    estimates = {"exact": exact.estimates, "as_published": as_published.estimates}
+    routes = of_routes(case, features | {"unrounded": {"omega1": unrounded}}, estimates)
+    return numbers_table(routes | {"from_print": from_print(PRINT, case)}, PRINT.ids)
 
 
 @lru_cache
-def exact(oscillator: Oscillator = PAPER) -> RouteTables:
+def numbers() -> pd.DataFrame:
+    """The table of numbers of the paper's case, with what is printed and its verdict."""
+    return with_claims(numbers_of(exact(), as_published(), unrounded()), judged())
+
+
+def nothing() -> Numbers:
+    """The numbers where no route that simulates gives any."""
+    silent = dict.fromkeys(("exact", "as_published", "unrounded"), float("nan"))
+    rows = sources_of().numbers.items()
+    return {key: row if key.kind == "parameter" else row | silent for key, row in rows}
+
+
+@lru_cache
+def exact(oscillator: Oscillator = PAPER) -> Route:
     """The exact route at the three frequencies."""
     features = {
         name: stack([of_orbit(steady_orbit(oscillator, motion)) for motion in CASE.motions(name)])
         for name in CASE.frequencies_hz
     }
-    return RouteTables(
+    return Route(
         {name: of.to_frame() for name, of in features.items()},
         {name: estimate_table(of, oscillator.k, CASE.pairs) for name, of in features.items()},
     )
@@ -98,10 +139,10 @@ def as_read(oscillator: Oscillator = PAPER) -> dict[str, authors.ReadFeatures]:
 
 
 @lru_cache
-def as_published(oscillator: Oscillator = PAPER) -> RouteTables:
+def as_published(oscillator: Oscillator = PAPER) -> Route:
     """The as-published route at the three frequencies."""
     read, case = as_read(oscillator), case_of(oscillator)
-    return RouteTables(
+    return Route(
         {name: of.tabulated.to_frame() for name, of in read.items()},
         {name: authors.estimates(of.tabulated, of.two_point, case) for name, of in read.items()},
     )
@@ -114,8 +155,7 @@ def unrounded(oscillator: Oscillator = PAPER) -> pd.DataFrame:
 
 def approaches() -> pd.DataFrame:
     """The table of all approaches on exact features."""
-    features = {name: Features.from_frame(of) for name, of in exact().features.items()}
-    return approaches_table(features, CASE)
+    return approaches_table(by_key(numbers()), CASE.frequencies_hz)
 
 
 def computed(name: str, folder: Path, coarser: tuple[str, str] = ("", "")) -> tuple[Study, Path]:

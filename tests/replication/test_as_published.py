@@ -74,7 +74,7 @@ def sampled(simulated):
 
 
 LABELS = [f"{i + 1}-{j + 1}" for i, j in PAIRS]
-numbers = PRINT.column
+numbers = PRINT.values
 
 
 def table_3(features, readout):
@@ -102,11 +102,11 @@ def misses(cells):
 
 
 def test_W_of_table_2(sampled):
-    error = sampled.W / numbers("table2", "W") - 1.0
+    error = sampled.W / numbers("W") - 1.0
     assert np.max(np.abs(error)) < 4e-7
     # With the unrounded coefficients it is five times as far, at every level the same way.
     unrounded = read(records(c_over_m=None, k_over_m=None), "sample")
-    assert np.all(unrounded.W / numbers("table2", "W") - 1.0 < -1.5e-6)
+    assert np.all(unrounded.W / numbers("W") - 1.0 < -1.5e-6)
 
 
 def test_b_of_table_2_to_the_last_digit_except_b_1(sampled):
@@ -127,14 +127,14 @@ def test_b_1_of_table_2_contradicts_its_own_row():
 
 def off_print_in_samples(features):
     """a less the printed a, in samples: one moves a by 2 V_s h."""
-    return (features.a - numbers("table2", "a")) / (2.0 * features.V_s * STEP)
+    return (features.a - numbers("a")) / (2.0 * features.V_s * STEP)
 
 
 def test_a_of_table_2_to_a_thirtieth_of_a_sample(sampled):
     off = off_print_in_samples(sampled)
     assert np.max(np.abs(off)) < 0.034
     # Half a unit of print is 0.003 to 0.007 of a sample: three of the five are within a unit.
-    units = (sampled.a - numbers("table2", "a")) / 1e-9
+    units = (sampled.a - numbers("a")) / 1e-9
     assert np.count_nonzero(np.abs(units) < 1.0) == 3
 
 
@@ -157,7 +157,7 @@ def test_print_lies_between_what_the_19th_and_the_24th_period_give(sampled):
 
 def test_displacements_of_the_8th_period_give_a_as_well(simulated):
     """The cycle is not unique: 2 (x(t_2) − x) there, begun 0, 1, 1, 1, 1 samples after slip is seen, is as close."""
-    a, off = numbers("table2", "a"), []
+    a, off = numbers("a"), []
     for record, begun, printed_a in zip(records(cycles=10), (0, 1, 1, 1, 1), a, strict=True):
         features = of_record(record, OMEGA, PAPER.k, "sample")
         corner = int(np.flatnonzero(record.x == features.X_s[0])[0])
@@ -180,7 +180,7 @@ def test_pairs_of_table_2_without_level_1(sampled):
 
 def test_no_other_scheme_gives_table_2():
     """After 6 cycles, in which a transient decays by e⁻²²."""
-    W = numbers("table2", "W")
+    W = numbers("W")
     for scheme in ("rk4", "trapezoidal", "semi-implicit-euler", "explicit-euler"):
         features = read(records(scheme=scheme, cycles=6), "sample")
         assert np.min(np.abs(features.W / W - 1.0)) > 1e-4, scheme
@@ -191,7 +191,7 @@ def test_no_other_scheme_gives_table_2():
 
 def test_exact_t_s_cut_to_tenths_of_a_millisecond_misses_level_4_by_8_microseconds():
     exact = stack([of_orbit(steady_orbit(PAPER, BaseMotion(Y, OMEGA))) for Y in LEVELS])
-    missed = ReadOut(t_s_unit=1e-4).apply(exact).t_s - numbers("table1", "t_s")
+    missed = ReadOut(t_s_unit=1e-4).apply(exact).t_s - numbers("t_s")
     assert missed == pytest.approx([0.0, 0.0, 0.0, 1e-4, 0.0], abs=1e-9)
     assert exact.t_s[3] - 1.8e-3 == pytest.approx(8.1e-6, abs=5e-8)
 
@@ -199,7 +199,7 @@ def test_exact_t_s_cut_to_tenths_of_a_millisecond_misses_level_4_by_8_microsecon
 def test_V_s_of_table_1_lies_between_the_corner_and_the_next_sample(
     simulated, sampled, interpolated
 ):
-    V_s = numbers("table1", "V_s")
+    V_s = numbers("V_s")
     accelerations = []
     for record, X_s in zip(simulated, sampled.X_s, strict=True):
         corner = int(np.flatnonzero(record.x == X_s)[0])
@@ -210,7 +210,7 @@ def test_V_s_of_table_1_lies_between_the_corner_and_the_next_sample(
 
 
 def test_phase_of_table_1_is_that_of_the_reversal_read_to_an_eighth_of_a_millisecond(interpolated):
-    phi = numbers("table1", "phi")
+    phi = numbers("phi")
     assert np.max(np.abs(phi - interpolated.phi_reversal)) < OMEGA * 0.125e-3
     assert np.min(np.abs(phi - interpolated.phi_zero_crossing)) > OMEGA * 0.6e-3
 

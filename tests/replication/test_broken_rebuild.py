@@ -11,8 +11,8 @@ from dataclasses import replace
 
 import pytest
 
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.judging import MAX_DEVIATION_OF_OTHER_ROUTES
-from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import (
     DIFFERS,
@@ -21,9 +21,9 @@ from dampbalance.replication.claims.verdicts import (
     ROUTE_NAMES,
     UNEXPLAINED,
 )
-from dampbalance.replication.rebuilt_tables import RouteTables
+from dampbalance.replication.numbers import by_key
 from replication.mutants import of_rebuild
-from replication.routes import CASE, PRINT, as_published, exact, unrounded
+from replication.routes import CASE, PRINT, Route, as_published, exact, numbers_of, unrounded
 
 SIMULATING = ["exact", "as_published"]
 APART = {
@@ -56,6 +56,10 @@ SURVIVORS = {
     ("table2.F_k.4-5", -1): (INSIDE, PROPAGATED),
 }
 """Numbers that their route may miss by ten units, up or down, without being `differs`: why, and the verdict."""
+
+
+def sources(*routes):
+    return Sources(PRINT, CASE, by_key(numbers_of(*routes)))
 
 
 def shown_only(mutant):
@@ -107,15 +111,13 @@ def test_tables_of_results_that_are_wrong_throughout_differ(share):
 
     def wrong(route):
         frames = (route.features, route.estimates)
-        return RouteTables(*({name: scaled(f) for name, f in of.items()} for of in frames))
+        return Route(*({name: scaled(f) for name, f in of.items()} for of in frames))
 
     def scaled(frame):
         numbers = frame.select_dtypes("float").columns
         return frame.assign(**{column: frame[column] * (1.0 + share) for column in numbers})
 
-    table = claims_table(
-        Sources(PRINT, CASE, wrong(exact()), wrong(as_published()), scaled(unrounded()))
-    )
+    table = claims_table(sources(wrong(exact()), wrong(as_published()), scaled(unrounded())))
     judged = table[(table["kind"] == "computed") & table["id"].str.startswith("table")]
     assert len(judged) == 80
     assert set(judged["verdict"]) == {DIFFERS.name}
@@ -131,9 +133,9 @@ def test_pairs_of_quite_another_oscillator_differ():
             F_k_N=frame["F_k_N"].mask(changed, 5.0),
             c_N_s_per_m=frame["c_N_s_per_m"].mask(changed, 1.0),
         )
-        return RouteTables(route.features, {**route.estimates, "omega1": frame})
+        return Route(route.features, {**route.estimates, "omega1": frame})
 
-    table = claims_table(Sources(PRINT, CASE, other(exact()), other(as_published()), unrounded()))
+    table = claims_table(sources(other(exact()), other(as_published()), unrounded()))
     pairs = table[table["id"].str.match(r"table2\.(F_k|c)\.")]
     assert len(pairs) == 10
     assert set(pairs["verdict"]) == {DIFFERS.name}

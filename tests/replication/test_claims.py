@@ -12,8 +12,8 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import authors_route as authors
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.print import Printed, read_texts
-from dampbalance.replication.claims.rules import Sources
 from dampbalance.replication.claims.table import (
     CLAIM_COLUMNS,
     WORSE,
@@ -28,16 +28,19 @@ from dampbalance.replication.claims.verdicts import (
     ROUTE_NAMES,
     VERDICTS,
 )
-from dampbalance.replication.rebuilt_tables import HARMONIC, RouteTables
+from dampbalance.replication.numbers import HARMONIC_APPROACHES, by_key, number
 from folders import PUBLISHED
 from replication.routes import (
     CASE,
     PAPER,
     PRINT,
+    Route,
     as_published,
     case_of,
     exact,
     judged,
+    nothing,
+    numbers_of,
     sources_of,
     unrounded,
 )
@@ -182,7 +185,8 @@ def test_values_shown_agree_with_the_verdicts(claims):
 def test_effective_damping_in_the_explanations_is_that_of_the_estimates(claims):
     """c + m ω² h against the c that the as-published simulation gives: 2e-4 is 2 % of the shift of 0.0116."""
     effective = 90.0 + 2.42 * CASE.omega("omega1") ** 2 * 5e-6
-    identified = as_published().estimate("c_N_s_per_m", "direct", kind="least_squares")
+    fit = {"frequency": "omega1", "quantity": "c", "unit": "N s/m", "kind": "least_squares"}
+    identified = number(sources_of().numbers, "as_published", approach="direct", **fit)
     assert identified == pytest.approx(effective, abs=3e-4)
 
 
@@ -311,7 +315,7 @@ def test_a_changed_printed_digit_is_found(recorded, id_, new, now):
     assert "on record, now read as" in offences.loc[id_, "message"]
 
 
-@pytest.mark.parametrize("approach", HARMONIC)
+@pytest.mark.parametrize("approach", HARMONIC_APPROACHES)
 def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
     """The friction travel 2(X − X_s), 2X(1 + cos ωt_s), 2X(1 + √…) with the other sign between its two terms."""
     right = balance.APPROACHES[approach]
@@ -338,7 +342,7 @@ def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
     if approach != "V_s":
         expected |= {f"table3.{approach}.F_k.{p}" for p in ("1-2", "2-3", "3-4", "4-5", "1-5")}
     assert expected <= set(found["id"])
-    other = [name for name in HARMONIC if name != approach]
+    other = [name for name in HARMONIC_APPROACHES if name != approach]
     assert not any(f"table3.{name}" in id_ for name in other for id_ in found["id"])
 
 
@@ -349,10 +353,9 @@ def test_the_plus_sign_of_table_3_is_needed(recorded):
     slipped = (frame["approach"] == "V_s") & (frame["phase"] == "common")
     correct = frame[frame["approach"] == authors.CORRECTED]
     estimates = pd.concat([frame[~slipped], correct, correct.assign(approach="V_s")])
-    changed = RouteTables(route.features, route.estimates | {"omega1": estimates})
-    found = check_claims(
-        claims_table(Sources(PRINT, CASE, exact(), changed, unrounded())), recorded
-    )
+    changed = Route(route.features, route.estimates | {"omega1": estimates})
+    numbers = by_key(numbers_of(exact(), changed, unrounded()))
+    found = check_claims(claims_table(Sources(PRINT, CASE, numbers)), recorded)
     assert found["id"].str.startswith("table3.V_s").sum() == 10
     assert len(found) == 10
 
@@ -375,16 +378,15 @@ def test_the_verdicts_on_record_are_no_offence_and_better_ones_neither(claims, r
 
 def test_a_claim_without_routes_is_found(recorded):
     """No result tables at all: nothing is obtained but what stands in print."""
-    nothing = RouteTables({}, {})
-    found = check_claims(
-        claims_table(Sources(PRINT, CASE, nothing, nothing, pd.DataFrame())), recorded
-    )
+    found = check_claims(claims_table(Sources(PRINT, CASE, nothing())), recorded)
     assert found["id"].str.startswith("table").sum() > 50
 
 
 def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
     stuck = replace(PAPER, F_k=60.0)
-    table = claims_table(Sources(PRINT, case_of(stuck), exact(stuck), as_published(), unrounded()))
+    case = case_of(stuck)
+    numbers = by_key(numbers_of(exact(stuck), as_published(), unrounded(), case))
+    table = claims_table(Sources(PRINT, case, numbers))
     assert (table.set_index("id").loc["table1.X_s.1", ["exact"]] == "").all()
     found = check_claims(table, recorded).set_index("id")["now"]
     assert found["parameter.F_k"] == "differs"
@@ -426,15 +428,15 @@ def test_what_cannot_be_judged_is_refused():
     with pytest.raises(
         ValueError, match=r"row text\.phi_mean, column printed: 'n/a' is not a number"
     ):
-        judged(PRINT.changed({"text.phi_mean": "n/a"}))
+        claims_table(replace(sources_of(), published=PRINT.changed({"text.phi_mean": "n/a"})))
 
 
 def test_levels_and_frequencies_of_the_paper_are_needed():
-    routes = exact(), as_published(), unrounded()
+    numbers = sources_of().numbers
     with pytest.raises(ValueError, match="five levels"):
-        claims_table(Sources(PRINT, replace(CASE, levels_m=(0.004, 0.006)), *routes))
+        claims_table(Sources(PRINT, replace(CASE, levels_m=(0.004, 0.006)), numbers))
     with pytest.raises(ValueError, match="missing: omega1, omega3"):
-        claims_table(Sources(PRINT, replace(CASE, frequencies_hz={"omega2": 3.5}), *routes))
+        claims_table(Sources(PRINT, replace(CASE, frequencies_hz={"omega2": 3.5}), numbers))
 
 
 def test_claims_do_not_depend_on_what_was_run_before(claims):

@@ -15,6 +15,7 @@ from dampbalance.replication.comparison import (
     cause_shifts,
     off_resonance,
 )
+from dampbalance.replication.numbers import by_key, numbers_table, of_routes
 from dampbalance.solver import least_squares, pair
 from paper_case import FREQUENCIES_HZ, NEAR, PAIRS, PAPER, features_at
 
@@ -26,6 +27,13 @@ def alone(frequency, hertz, osc):
     return replace(CASE, oscillator=osc, frequencies_hz={frequency: hertz})
 
 
+def table_of(features, case):
+    """The table of approaches of exact features."""
+    frames = {name: of.to_frame() for name, of in features.items()}
+    numbers = numbers_table(of_routes(case, {"exact": frames}, {}), {})
+    return approaches_table(by_key(numbers), case.frequencies_hz)
+
+
 @pytest.fixture(scope="module")
 def features():
     return {name: features_at(hertz) for name, hertz in FREQUENCIES_HZ.items()}
@@ -33,7 +41,7 @@ def features():
 
 @pytest.fixture(scope="module")
 def table(features):
-    return approaches_table(features, CASE)
+    return table_of(features, CASE)
 
 
 def errors(table, frequency, approach, phase="", sharing=""):
@@ -137,10 +145,10 @@ def test_errors_keep_their_sign_and_follow_from_the_rows(table, features):
 
 def test_what_cannot_be_identified_is_left_empty():
     sticking = replace(PAPER, F_k=60.0)
-    table = approaches_table({"f": features_at(osc=sticking)}, alone("f", NEAR, sticking))
+    table = table_of({"f": features_at(osc=sticking)}, alone("f", NEAR, sticking))
     assert table["F_k_error_percent"].isna().all()
     undamped = replace(PAPER, c=0.0)
-    table = approaches_table({"f": features_at(3.5, osc=undamped)}, alone("f", 3.5, undamped))
+    table = table_of({"f": features_at(3.5, osc=undamped)}, alone("f", 3.5, undamped))
     assert table["c_error_percent"].isna().all()  # a true value of zero has no relative error
     assert np.isfinite(table["F_k_error_percent"]).all()
     assert "nan" not in approaches_markdown(table, "Title")

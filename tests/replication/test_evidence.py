@@ -8,10 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from dampbalance.features import Features
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.print import Printed
+from dampbalance.replication.numbers import by_key
 from paper_case import LEVELS, PAIRS, PAPER, features_at
-from replication.routes import CASE, CONFIG, PRINT, exact, unrounded
+from replication.routes import CASE, CONFIG, PRINT, exact, numbers, unrounded
+
+AT_OMEGA3 = Features.from_frame(exact().features["omega3"])
 
 
 def test_routes_are_counted_apart_from_verdicts(claims):
@@ -112,11 +116,11 @@ def missed(**inputs):
     return sum(f"{v:.{PRINT[i].decimals}f}" != PRINT[i].text for i, v in numbers.items())
 
 
-def test_the_digits_hang_on_nine_inputs(claims):
+def test_the_digits_hang_on_nine_inputs():
     X = np.array([2.728, 4.387, 6.047, 7.707, 9.367]) * 1e-3
     V_s = unrounded()["V_s_m_per_s"].to_numpy()
     inputs = {"X": X, "swing": 13e-6, "t_s": 2.1e-3, "phi": 1.542, "V_s": V_s}
-    found = evidence.inputs_of_table_3(CASE, exact().features["omega1"], unrounded(), claims)
+    found = evidence.inputs_of_table_3(CASE, by_key(numbers()))
     assert missed(**inputs) == 0
     assert found["given"] == 30
     assert found["inputs"] == len(found["moved"]) == 9
@@ -138,11 +142,11 @@ def test_the_digits_hang_on_nine_inputs(claims):
     assert found["moved"]["sign"] == [missed(**inputs, sign=-1.0)]
     X_exact = np.array([2.7279431, 4.3880136, 6.0481638, 7.7083934, 9.3686833]) * 1e-3
     assert found["given_by_exact_X"] == 30 - missed(**inputs | {"X": np.round(X_exact, 6)})
-    printed = PRINT.column("table1", "V_s")
+    printed = PRINT.values("V_s")
     assert found["missed_by_printed_V_s"] == missed(**inputs | {"V_s": printed}) == 0
 
 
-def test_zero_decimals_are_a_step_of_a_whole_unit(claims, monkeypatch):
+def test_zero_decimals_are_a_step_of_a_whole_unit(monkeypatch):
     """X, φ and t_s kept in whole m, rad and s, all of them 0, 2 and 0, are moved by 1 m, 1 rad and 1 s."""
     seen = []
 
@@ -154,7 +158,7 @@ def test_zero_decimals_are_a_step_of_a_whole_unit(claims, monkeypatch):
     numerics = replace(CASE.numerics, two_point={**CASE.numerics.two_point, **whole})
     monkeypatch.setattr(evidence, "estimates", estimates)
     case = replace(CASE, numerics=numerics)
-    evidence.inputs_of_table_3(case, exact().features["omega1"], unrounded(), claims)
+    evidence.inputs_of_table_3(case, by_key(numbers()))
     moves = np.array(seen) - [0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0]
     expected = [sign * step for step in np.eye(7) for sign in (-1.0, 1.0)]
     assert all(any(np.array_equal(move, step) for move in moves) for step in expected)
@@ -188,7 +192,7 @@ def errors_by_hand(X_m, phi_rad, draws):
 @pytest.mark.parametrize("spread", [*unprinted.SPREADS, unprinted.ROUNDED])
 def test_the_errors_of_the_draws_are_those_of_the_formulas(spread):
     errors = errors_by_hand(*spread, unprinted.DRAWS)
-    (of,) = unprinted.drawn(exact().features["omega3"], CASE, 70.0, [spread])
+    (of,) = unprinted.drawn(AT_OMEGA3, CASE, 70.0, [spread])
     assert (of.X_m, of.phi_rad) == spread
     # differences of numbers that agree to three digits, of rounding 1e-16
     assert (of.low, of.high) == pytest.approx(np.quantile(errors, [0.05, 0.95]), rel=1e-9)
@@ -197,17 +201,17 @@ def test_the_errors_of_the_draws_are_those_of_the_formulas(spread):
 
 def test_print_leaves_seventy_per_cent_open():
     """Shares from an independent computation with other random numbers: 7, 43 to 45 and 85 %."""
-    drawn = unprinted.drawn(exact().features["omega3"], CASE, 70.0)
+    drawn = unprinted.drawn(AT_OMEGA3, CASE, 70.0)
     assert [of.share for of in drawn] == pytest.approx([0.07, 0.44, 0.85], abs=0.02)
     assert unprinted.open_to(drawn)
 
 
 def test_rounding_of_X_alone_stays_below_the_bound():
-    (of,) = unprinted.drawn(exact().features["omega3"], CASE, 70.0, [unprinted.ROUNDED])
+    (of,) = unprinted.drawn(AT_OMEGA3, CASE, 70.0, [unprinted.ROUNDED])
     assert (of.share, of.low, of.high) == pytest.approx((0.0, 66.6, 68.6), abs=0.1)
     assert not unprinted.open_to([of])
 
 
 @pytest.mark.parametrize(("bound", "is_open"), [(50.0, False), (70.0, True), (95.0, False)])
 def test_a_bound_far_from_all_draws_is_decided(bound, is_open):
-    assert unprinted.open_to(unprinted.drawn(exact().features["omega3"], CASE, bound)) is is_open
+    assert unprinted.open_to(unprinted.drawn(AT_OMEGA3, CASE, bound)) is is_open

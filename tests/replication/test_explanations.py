@@ -10,7 +10,7 @@ import pytest
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.replication.authors_route import CORRECTED, SLIPPING_SAMPLE
 from dampbalance.replication.claims.print import Printed
-from replication.routes import CASE, PAPER, as_published, unrounded
+from replication.routes import CASE, PAPER, PRINT, sources_of, unrounded
 
 ROUTES = {"exact": "exact", "as published": "as_published", "from print": "from_print"}
 
@@ -117,9 +117,8 @@ def test_backward_euler_acts_on_integrals_and_damping(computed):
 
 def test_with_the_minus_of_19_the_columns_would_be_those_of_the_corrected_rows(computed):
     for name, row in rows_of(computed, "table3.V_s.").iterrows():
-        symbol, label = name.split(".")[2:]
-        column = {"F_k": "F_k_N", "c": "c_N_s_per_m"}[symbol]
-        right = as_published().estimate(column, CORRECTED, pair=label)
+        corrected = PRINT.rows[name].key._replace(approach=CORRECTED)
+        right = sources_of().numbers[corrected]["as_published"]
         shown = re.search(r"it would be ([\d.]+) (N|N s/m)\.", row["explanation"])
         assert shown[2] == row["unit"]
         assert float(shown[1]) == pytest.approx(right, abs=0.51 * Printed(shown[1]).unit)

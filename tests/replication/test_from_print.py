@@ -9,16 +9,18 @@ import pytest
 from dampbalance.balance import APPROACHES, slip_velocity_as_printed
 from dampbalance.replication.claims.print import (
     Printed,
-    printed_estimates,
+    from_print,
     printed_features,
 )
-from dampbalance.replication.comparison import largest_errors
+from dampbalance.replication.numbers import Key
 from dampbalance.solver import least_squares
-from replication.routes import CASE, PAPER, PRINT, with_digits_of
+from replication.routes import CASE, PRINT, with_digits_of
 
 
 def test_largest_errors_of_table_3():
-    F_k, c = largest_errors(printed_estimates(PRINT).pairs(), PAPER).values()
+    of_print = from_print(PRINT, CASE)
+    largest = Key("omega1", "", "harmonic", "largest", "", "common", unit="%")
+    F_k, c = (of_print[largest._replace(quantity=symbol)] for symbol in ("F_k", "c"))
     assert F_k == pytest.approx(100.0 * (1.299 / 1.28 - 1.0), rel=1e-12)  # X_s, pair 2-3
     assert c == pytest.approx(100.0 * (90.071 / 90.0 - 1.0), rel=1e-12)  # V_s, pair 1-2
 

@@ -22,6 +22,7 @@ from dampbalance.replication.claims.judging import (
 from dampbalance.replication.claims.print import Printed, Row
 from dampbalance.replication.claims.rules import bound_holds, word_holds
 from dampbalance.replication.claims.verdicts import PROPAGATED, READING, UNEXPLAINED
+from dampbalance.replication.numbers import Key
 from replication.routes import CASE, PRINT, claim
 
 NEAR = Tolerance(1.26, 1.30, "read so", READING)
@@ -220,7 +221,7 @@ def on_marks(values, half_units, unit):
 
 def test_the_unit_of_the_phases_is_the_coarsest_that_print_allows():
     """φ/ω of the five levels are multiples of 0.05 ms, as rounded, and not of anything coarser."""
-    times, half = PRINT.column("table1", "phi") / OMEGA, 0.5e-3 / OMEGA
+    times, half = PRINT.values("phi") / OMEGA, 0.5e-3 / OMEGA
     assert on_marks(times, half, PHASE_UNIT_S).all()
     for coarser in (1e-4, 2e-4, 5e-4):
         assert not on_marks(times, half, coarser).all()
@@ -228,7 +229,7 @@ def test_the_unit_of_the_phases_is_the_coarsest_that_print_allows():
 
 def test_no_mark_coarser_than_the_last_digit_suits_all_velocities():
     """Levels 2 to 5 are multiples of 0.05 mm/s, the first is not; with 0.02 mm/s others are not."""
-    V_s, rounding = PRINT.column("table1", "V_s"), 1e-12
+    V_s, rounding = PRINT.values("V_s"), 1e-12
     assert on_marks(V_s, rounding, VELOCITY_MARK).tolist() == [False, True, True, True, True]
     for coarser in (2e-5, 1e-4):
         assert not on_marks(V_s, rounding, coarser).all()
@@ -262,7 +263,7 @@ def test_what_a_simulation_gives_is_near_within_ten_units_and_a_step_in_a_period
 
 
 def row(rule: str, printed: str, quantity: str = "") -> Row:
-    return Row("name", "where", "", "", quantity, "", printed, "statement", rule)
+    return Row("name", "where", *Key(), quantity, printed, "statement", rule)
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def rounded(values):
 def test_a_table_made_from_more_digits_is_allowed():
     """Table 2 of a known F_k and c, everything rounded as in print: each range holds what was rounded."""
     generator = np.random.default_rng(2010)
-    a, b = (PRINT.column("table2", symbol) for symbol in ("a", "b"))
+    a, b = (PRINT.values(symbol) for symbol in ("a", "b"))
     # digits beyond the printed ones, and errors of W that make the pairs differ as they do in print
     a += 1e-9 * generator.uniform(-0.5, 0.5, 5)
     b += 1e-8 * generator.uniform(-0.5, 0.5, 5)

@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 
 from dampbalance.features import Features
-from dampbalance.project.files import write_json
+from dampbalance.project.files import write_rows
 from dampbalance.publishing.article import compiling, derived_numbers
 from paper_case import LEVELS, PAIRS, PAPER
-from replication.routes import CASE, PRINT, ROOT, exact
+from replication.routes import CASE, PRINT, ROOT, exact, numbers
 
 pytestmark = pytest.mark.slow
 
 TEXT = (ROOT / "paper/article/supplement/recipe.typ").read_text(encoding="utf-8")
 OTHERS = (  # not numbers of a step
-    "recipe.from_table_1",
+    "table3.t_s.F_k.1-2.from_print",
     "verdicts.table3.computed",
     "table_3.inputs",
     "table_3.given_by_exact_X",
@@ -35,14 +35,17 @@ def stated(tmp_path_factory):
     """A function from the key of a value to its number as the recipe prints it; fails for one that it does not."""
     folder = tmp_path_factory.mktemp("recipe")
     first = Features.from_frame(exact().features["omega1"])
-    setting, recipe = derived_numbers.setting(CASE, first), derived_numbers.recipe(CASE, first)
+    setting = derived_numbers.table(derived_numbers.setting(CASE, first))
     for name in ("values.typ", "numbers.typ"):
         shutil.copy(ROOT / "paper/article" / name, folder)
-    write_json(folder / "article/evidence.json", {"setting": setting, "recipe": recipe})
+    tables = {"derived": setting, "numbers": numbers().to_dict("records"), "claims": [{"id": "-"}]}
+    for name, rows in tables.items():
+        write_rows(folder / f"{name}.csv", rows)
     keys = [key for key in re.findall(r'#(?:v|n|words)\("([^"]+)"\)', TEXT) if key not in OTHERS]
     source = b"""#import "values.typ": value-of
         #metadata(json(bytes(sys.inputs.given)).keys.map(key => (key, value-of(key).text)))<texts>"""
-    inputs = {"results": "", "studies": "", "sources": {"article/evidence.json": "-"}, "keys": keys}
+    sources = {f"/{name}.csv": "-" for name in tables}
+    inputs = {"results": "", "studies": "", "sources": sources, "keys": keys}
     texts = dict(compiling.query(source, folder, inputs, "<texts>", "value")[0])
 
     def number(key):
@@ -58,7 +61,7 @@ def steps(Y, stated):
     """Steps 1 to 4: the last samples n, x, ẋ and whether the contact sticks, of the equation divided by m."""
     C, K = stated("c_over_m"), stated("k_over_m")
     F, K_z, Z_m = PAPER.F_k / PAPER.m, PAPER.K_z / PAPER.m, PAPER.F_k / PAPER.K_z
-    omega, h = 2.0 * math.pi * stated("f.omega1"), 1e-6 * stated("step")
+    omega, h = 2.0 * math.pi * stated("parameter.omega1"), 1e-6 * stated("step")
     per_period = 2.0 * math.pi / omega / h
     first, last = (math.floor((stated("recipe.periods") + more) * per_period) for more in (0, 1.9))
     x = v = z = 0.0
@@ -86,14 +89,14 @@ def steps(Y, stated):
 def read(Y, stated):
     """Steps 4 to 9, each level by itself: X and the way to slip as read (m), V_s (m/s), t_s (s), φ (rad); X in full."""
     n, x, v, sticks = steps(Y, stated).T
-    h, omega = 1e-6 * stated("step"), 2.0 * math.pi * stated("f.omega1")
+    h, omega = 1e-6 * stated("step"), 2.0 * math.pi * stated("parameter.omega1")
     i = int(np.flatnonzero((v[:-1] < 0.0) & (v[1:] >= 0.0))[0])
     j = i + 1 + int(np.flatnonzero((v[i + 1 : -1] >= 0.0) & (v[i + 2 :] < 0.0))[0])
     slips = i + 1 + int(np.argmax(sticks[i + 1 :] == 0.0))
     X_unit, mark, unit = (
-        1e-6 * stated("recipe.X_um"),
-        1e-6 * stated("recipe.mark_um"),
-        1e-3 * stated("recipe.t_s_unit_ms"),
+        1e-6 * stated("recipe.X"),
+        1e-6 * stated("recipe.mark"),
+        1e-3 * stated("recipe.t_s_unit"),
     )
     distance = 0.5 * (x[j] - x[i + 1])
     X = round(distance / X_unit) * X_unit
@@ -113,9 +116,9 @@ def table(stated):
 
 def pairs(table, stated, *, t_s=None, X=None, way=None):
     """Step 10, as the printed columns: (column, printed, computed) for every number of Table 3."""
-    omega, k = 2.0 * math.pi * stated("f.omega1"), PAPER.k
+    omega, k = 2.0 * math.pi * stated("parameter.omega1"), PAPER.k
     X = table[:, 0] if X is None else X
-    t_s, way = t_s or 1e-3 * stated("recipe.t_s_ms"), way or 1e-6 * stated("recipe.swing_um")
+    t_s, way = t_s or 1e-3 * stated("recipe.t_s"), way or 1e-6 * stated("recipe.swing")
     X_s, phi, V_s = -(X - way), stated("recipe.phi"), table[:, 2]
     b, W = math.pi * omega * X**2, math.pi * k * np.array(LEVELS) * X * math.sin(phi)
     travels = {
@@ -147,8 +150,8 @@ def test_the_recipe_gives_all_thirty_numbers(table, stated):
 
 
 def test_what_the_recipe_says_of_its_readings_is_so(table, stated):
-    assert table[:, 1] == pytest.approx(1e-6 * stated("recipe.swing_um"), abs=1e-12)
-    assert np.mean(table[:, 3]) == pytest.approx(1e-3 * stated("recipe.t_s_ms"), abs=1e-12)
+    assert table[:, 1] == pytest.approx(1e-6 * stated("recipe.swing"), abs=1e-12)
+    assert np.mean(table[:, 3]) == pytest.approx(1e-3 * stated("recipe.t_s"), abs=1e-12)
     decimals = int(stated("recipe.phi_decimals"))
     assert round(float(np.mean(table[:, 4])), decimals) == stated("recipe.phi")
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pandas as pd
 import pytest
 
+from dampbalance.features import Features
 from dampbalance.project.files import read_csv
 from dampbalance.replication.authors_route import scheme_table, trial_table
 from dampbalance.replication.claims import rivals
@@ -26,13 +27,15 @@ def test_the_records_serve_their_own_case_and_no_other(monkeypatch):
     for name in ("scheme_table", "trial_table"):
         monkeypatch.setattr(rivals, name, lambda case, frequency: asked.append(case))
     for got, recorded in zip(
-        rivals.rivals(PUBLISHED, CASE, "omega1", unrounded()), RECORDED, strict=True
+        rivals.rivals(PUBLISHED, CASE, "omega1", Features.from_frame(unrounded())),
+        RECORDED,
+        strict=True,
     ):
         pd.testing.assert_frame_equal(got, recorded)
     assert asked == []
     other = replace(CASE, oscillator=replace(CASE.oscillator, c=90.001))
-    rivals.rivals(PUBLISHED, other, "omega1", unrounded(other.oscillator))
-    rivals.rivals(PUBLISHED, other, "omega1", unrounded().head(4))
+    rivals.rivals(PUBLISHED, other, "omega1", Features.from_frame(unrounded(other.oscillator)))
+    rivals.rivals(PUBLISHED, other, "omega1", Features.from_frame(unrounded().head(4)))
     assert asked == [other] * 4
 
 
@@ -42,4 +45,4 @@ def test_a_digit_that_differs_is_seen(monkeypatch, column):
     monkeypatch.setattr(rivals, "trial_table", lambda *_: None)
     changed = unrounded().copy()
     changed.loc[2, column] *= 1.0 + 1e-8
-    assert rivals.rivals(PUBLISHED, CASE, "omega1", changed) == (None, None)
+    assert rivals.rivals(PUBLISHED, CASE, "omega1", Features.from_frame(changed)) == (None, None)

@@ -26,6 +26,7 @@ ALLOWED = (
     "workflow/rules/claims.smk",
     "workflow/scripts/claims/claims.py",
     "workflow/scripts/claims/check.py",
+    "workflow/scripts/claims/numbers.py",
     "config/config.yaml",
     "src/dampbalance/project/schemas/config.schema.yaml",
 )

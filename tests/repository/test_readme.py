@@ -11,19 +11,20 @@ import pytest
 
 from dampbalance import Oscillator, identify, measured_ring_down
 from dampbalance.estimates import estimate_table
+from dampbalance.features import Features
 from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims import evidence, unprinted
-from dampbalance.replication.claims.rules import Sources
+from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
-from dampbalance.replication.comparison import approaches_table, off_resonance
-from dampbalance.replication.rebuilt_tables import RouteTables
+from dampbalance.replication.comparison import off_resonance
+from dampbalance.replication.numbers import by_key
 from dampbalance.studies.reading_study import read_study
 from folders import ROOT
 from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
-from replication.routes import CASE, PRINT, exact, judged, unrounded
+from replication.routes import CASE, PRINT, approaches, exact, judged, nothing, numbers
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULTS = (ROOT / "results/README.md").read_text(encoding="utf-8")
@@ -34,9 +35,8 @@ LIBRARY = (ROOT / "paper/site/start/oscillators.md").read_text(encoding="utf-8")
 
 def test_the_verdicts_are_those_on_record():
     recorded = pd.read_csv(ROOT / "paper/published/verdicts.csv", dtype=str)
-    nothing = RouteTables({}, {})
     # What kind a claim is does not depend on what the routes give for it.
-    kinds = claims_table(Sources(PRINT, CASE, nothing, nothing, pd.DataFrame()))[["id", "kind"]]
+    kinds = claims_table(Sources(PRINT, CASE, nothing()))[["id", "kind"]]
     recorded = recorded.merge(kinds, on="id", validate="one_to_one")
     block = RESULTS.split("<!-- verdicts", 1)[1].split("-->", 1)[1].split("<!-- end", 1)[0]
     counted = counts(recorded)
@@ -65,11 +65,13 @@ def test_what_the_agreement_proves_is_as_counted():
     table = judged()
     routes, chance = evidence.by_route(table), evidence.chance(table)
     choices = {kind: len(of) for kind, of in evidence.free_choices(CASE).items()}
-    found = evidence.inputs_of_table_3(CASE, exact().features["omega1"], unrounded(), table)
+    found = evidence.inputs_of_table_3(CASE, by_key(numbers()))
     above = [
         f"{100.0 * of.share:.0f} %"
         for of in unprinted.drawn(
-            exact().features["omega3"], CASE, PRINT["text.max_error_omega3"].value
+            Features.from_frame(exact().features["omega3"]),
+            CASE,
+            PRINT["text.max_error_omega3"].value,
         )
     ]
     text = " ".join(RESULTS.split())
@@ -137,8 +139,7 @@ def test_the_errors_quoted_are_those_found(hertz, worst):
 
 
 def test_the_causes_of_failure_have_the_sizes_quoted():
-    features = {name: features_at(hertz) for name, hertz in FREQUENCIES_HZ.items()}
-    table = approaches_table(features, CASE)
+    table = approaches()
     at, below, above = off_resonance(table, FREQUENCIES_HZ)
     largest = table.loc[table["approach"] == "fourier", "F_k_largest_pair_error_percent"].max()
     text = " ".join(RESULTS.split())

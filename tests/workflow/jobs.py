@@ -39,7 +39,7 @@ def run(script: str, **given: Any) -> None:
 
 
 def case_jobs(config: Mapping[str, Any], folder: Path) -> None:
-    """What a case without printed numbers has: orbits, records, features, estimates, tables.
+    """What a case without printed numbers has: orbits, records, features, estimates, numbers, tables.
 
     config : a whole configuration that `check` and `check_feasible` have passed.
     """
@@ -65,4 +65,6 @@ def case_jobs(config: Mapping[str, Any], folder: Path) -> None:
     for route, features in zip(ROUTES, (exact, entering), strict=True):
         output = {"estimates": files(f"estimates/{route}/{{}}.csv")}
         run("estimates/estimate.py", input=features, output=output, **given)
-    run("tables/tables.py", **given)
+    numbers = {"csv": folder / "numbers.csv"}
+    run("claims/numbers.py", input=read, output=numbers, **given)
+    run("tables/tables.py", input={"numbers": numbers["csv"]}, **given)

@@ -65,6 +65,7 @@ FILES = {
     "Responses as published, by fixed steps": ("records/*", "features/as_published/**/*"),
     "Estimates from the features of the route exact": ("estimates/exact/*",),
     "Estimates from the features of the route as_published": ("estimates/as_published/*",),
+    "Numbers of all routes": ("numbers.csv",),
     "Tables": ("tables/*",),
 }
 """Message of a job → its results."""

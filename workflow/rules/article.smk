@@ -1,7 +1,6 @@
 # The replication article: the numbers that no other result holds, its figures, and the PDF, which reads every number from
 # the result files itself. It exists where there are printed numbers to compare with.
 
-ARTICLE = f"{RESULTS}/article"
 ARTICLE_STUDIES = (
     "frequency level contact_stiffness damping read_out step_size rigid_contact map".split()
 )
@@ -13,13 +12,8 @@ if config["published"]:
 
     rule article_numbers:
         input:
-            features=of_routes("features"),
-            unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
-            estimates=of_routes("estimates"),
+            numbers=rules.numbers.output.csv,
             claims=rules.claims.output.csv,
-            approaches=f"{RESULTS}/tables/approaches.csv",
-            exact=f"{RESULTS}/features/exact/{FREQUENCIES[0]}.csv",
-            as_published=f"{RESULTS}/estimates/as_published/{FREQUENCIES[0]}.csv",
             steps=f"{STUDY_RESULTS}/step_size/cases.parquet",
             study_cases=expand(rules.study.output.cases, study=ARTICLE_STUDIES),
             study_files=[*map(STUDY_FILES.get, ARTICLE_STUDIES)],
@@ -30,17 +24,12 @@ if config["published"]:
         output:
             **figure_files("numerics", "How the printed digits arose"),
             **figure_files("glance", "The findings at a glance"),
-            schemes=f"{ARTICLE}/schemes.csv",
-            evidence=f"{ARTICLE}/evidence.json",
-            studies=f"{ARTICLE}/studies.json",
-            environment=f"{ARTICLE}/environment.json",
+            derived=f"{RESULTS}/derived.csv",
         priority: NEXT
         params:
             papers=lambda wildcards: [STUDY_PLANS[name][2] for name in ARTICLE_STUDIES],
             case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs", "phase", "numerics"),
             frequency=FREQUENCIES[0],
-            folder=lambda wildcards: RESULTS,
-            studies=ARTICLE_STUDIES,
             packages=ARTICLE_PACKAGES,
         message:
             "Article: its numbers and figures"
@@ -49,15 +38,9 @@ if config["published"]:
 
     # The files that the article reads its numbers from, in the order of its list of sources, and the rule that makes each.
     ARTICLE_SOURCES = {
-        f"{ARTICLE}/evidence.json": "article_numbers",
-        f"{ARTICLE}/schemes.csv": "article_numbers",
+        f"{RESULTS}/derived.csv": "article_numbers",
+        f"{RESULTS}/numbers.csv": "numbers",
         f"{RESULTS}/claims.csv": "claims",
-        f"{RESULTS}/tables/approaches.csv": "tables",
-        f"{ARTICLE}/studies.json": "article_numbers",
-        f"{RESULTS}/tables/table1.csv": "tables",
-        f"{RESULTS}/tables/table2.csv": "tables",
-        f"{RESULTS}/tables/table3.csv": "tables",
-        f"{ARTICLE}/environment.json": "article_numbers",
     }
 
     rule article:

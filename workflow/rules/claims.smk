@@ -1,4 +1,4 @@
-# A verdict on every printed number, and the comparison with the verdicts on record.
+# One table of the numbers of all routes; a verdict on every printed number; the comparison with the verdicts on record.
 
 import time
 
@@ -57,11 +57,29 @@ def rerun_while_worse(wildcards):
     return time.time_ns() if worse else None
 
 
-rule claims:
+rule numbers:
     input:
         features=of_routes("features"),
         estimates=of_routes("estimates"),
-        unrounded=f"{RESULTS}/features/as_published/unrounded/{FREQUENCIES[0]}.csv",
+        unrounded=rules.features_as_published.output.unrounded,
+        published=published_files if config["published"] else [],
+        code=rooms("replication"),
+    output:
+        csv=f"{RESULTS}/numbers.csv",
+    priority: FIRST
+    params:
+        case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs"),
+        folder=lambda wildcards: RESULTS,
+        published=PUBLISHED,
+    message:
+        "Numbers of all routes"
+    script:
+        "../scripts/claims/numbers.py"
+
+
+rule claims:
+    input:
+        numbers=rules.numbers.output.csv,
         published=published_files,
         code=rooms("replication"),
     output:
@@ -74,7 +92,6 @@ rule claims:
     priority: FIRST
     params:
         case=of_case("oscillator", "frequencies_hz", "levels_m", "numerics"),
-        folder=lambda wildcards: RESULTS,
         published=PUBLISHED,
     message:
         "Verdicts on the printed numbers"

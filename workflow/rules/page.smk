@@ -13,10 +13,9 @@ else:
 rule page:
     input:
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
-        tables=rules.tables.output.csv,
+        numbers=rules.numbers.output.csv,
         figures=expand(f"{RESULTS}/figures/{{name}}.svg", name=PAGE_FIGURES),
-        evidence=rules.article_numbers.output.evidence if config["published"] else [],
-        shown=rules.article_numbers.output.studies if config["published"] else [],
+        derived=rules.article_numbers.output.derived if config["published"] else [],
         study_files=[*map(STUDY_FILES.get, PAGE_STUDIES)],
         study_figures=expand(f"{STUDY_RESULTS}/{{study}}/figure.svg", study=PAGE_STUDIES),
         code=PACKAGE,
@@ -31,7 +30,6 @@ rule page:
         config=config,
         study_folder=lambda wildcards: STUDY_RESULTS,
         figures=PAGE_FIGURES,
-        folder=lambda wildcards: RESULTS,
         page=lambda wildcards: f"{RESULTS}/report.html",
     message:
         "The page of the case"

@@ -28,8 +28,7 @@ def reported_table(file):
 
 rule tables:
     input:
-        features=of_routes("features"),
-        estimates=of_routes("estimates"),
+        numbers=f"{RESULTS}/numbers.csv",
         claims=f"{RESULTS}/claims.csv" if config["published"] else [],
         code=rooms("replication"),
     output:
@@ -38,7 +37,7 @@ rule tables:
     priority: FIRST
     params:
         folder=lambda wildcards: RESULTS,
-        case=of_case("oscillator", "frequencies_hz", "pairs"),
+        case=of_case("frequencies_hz"),
     message:
         "Tables"
     script:

@@ -11,6 +11,8 @@ import numpy as np
 
 from ..balance import TERMS
 from ..model import Oscillator
+from ..replication.comparison import WAY, WAYS_TO_COMPARE
+from ..replication.numbers import select
 from .looks import LOOKS, SPARE
 from .series import SignedScale
 from .style import DOUBLE_COLUMN, FAINT, INK, STICK, arrow, note, page, panel_letter, place, styled
@@ -58,26 +60,36 @@ BOTTOMS, ROW_HEIGHTS = (69.0, 11.0), 38.0
 class Evidence(NamedTuple):
     """Inputs of the figure, all at the first frequency.
 
-    claims : the table of claims, as text (id, printed).   exact : features.   estimates : as published.
+    numbers : of all routes, with what is printed (`replication.numbers.with_claims`).
     schemes : of `replication.authors_route.scheme_table`.   steps : cases of the study of the step, with columns
     scheme, step_s, c_N_s_per_m and c_relative_error__direct__least_squares.
     instants : of `publishing.article.derived_numbers.sampling_instants`.
     """
 
-    claims: pd.DataFrame
-    exact: pd.DataFrame
-    estimates: pd.DataFrame
+    numbers: pd.DataFrame
     schemes: pd.DataFrame
     steps: pd.DataFrame
     instants: pd.DataFrame
 
-    def printed(self, prefix: str) -> np.ndarray:
-        """Return the printed numbers whose identifier begins so, in order."""
-        return self.texts(prefix).astype(float).to_numpy()
+    def of(self, column: str, quantity: str, kind: str = "level", approach: str = "") -> pd.Series:
+        """Return a column of the numbers at the first frequency, line by line."""
+        rows = select(self.numbers, quantity=quantity, kind=kind, approach=approach)
+        return rows.loc[rows["frequency"].eq("omega1") & rows["unit"].ne("%"), column]
 
-    def texts(self, prefix: str) -> pd.Series:
-        """Return these numbers as they are printed."""
-        return self.claims.loc[self.claims["id"].str.startswith(prefix), "printed"]
+    def printed(self, quantity: str, kind: str = "level", approach: str = "") -> np.ndarray:
+        """Return the printed numbers among them."""
+        texts = self.of("printed", quantity, kind, approach)
+        return texts[texts != ""].astype(float).to_numpy()
+
+    @property
+    def omega(self) -> float:
+        """The drive frequency, rad/s."""
+        return 2.0 * math.pi * float(self.of("exact", "omega", "parameter").iloc[0])
+
+    @property
+    def Y(self) -> np.ndarray:
+        """Amplitudes of the base, mm."""
+        return 1e3 * self.of("exact", "Y").to_numpy()
 
 
 @styled()
@@ -97,7 +109,7 @@ def numerics(
     _slip_time(axes[4], evidence, step_s, t_s_unit_s)
     _sign(axes[5], evidence)
     for panel in (axes[0], axes[1], axes[3], axes[4]):
-        panel.set(xticks=1e3 * evidence.exact["Y_m"], xlabel="$Y$ (mm)")
+        panel.set(xticks=evidence.Y, xlabel="$Y$ (mm)")
     for panel, letter in zip(axes, "abcdef", strict=True):
         panel_letter(panel, letter)
     return figure
@@ -107,7 +119,7 @@ def _instants(axes: Axes, e: Evidence) -> None:
     """Draw (a): where within a step each printed a is sampled, by the rebuild and its rivals, in the last cycle."""
     last = e.instants[e.instants["cycle"] == 0]
     # The first simulation of each trial: Runge–Kutta, the second by hand, lies on the trapezoidal rule.
-    first = {str(name): rows.iloc[: len(e.exact)] for name, rows in last.groupby("trial")}
+    first = {str(name): rows.iloc[: len(e.Y)] for name, rows in last.groupby("trial")}
     step_us = 1e6 * float(first["step_of_W_exact"]["step_s"].iloc[0])
     looks: dict[str, tuple[str, dict[str, Any]]] = {
         "as_published": ("backward Euler, rounded", {"marker": "o", "color": REBUILT}),
@@ -116,7 +128,7 @@ def _instants(axes: Axes, e: Evidence) -> None:
     }
     for trial, (name, look) in looks.items():
         instants = first[trial]["instant"]
-        axes.plot(1e3 * e.exact["Y_m"], instants, label=name, lw=0.8, ms=4.0, **look)
+        axes.plot(e.Y, instants, label=name, lw=0.8, ms=4.0, **look)
     axes.axhline(0.0, color=PRINTED["color"], lw=0.6, ls=":")
     axes.set_ylim(-0.42, 0.62)
     axes.legend(loc="upper center", fontsize=7.5, handletextpad=0.4, labelspacing=0.2)
@@ -126,19 +138,18 @@ def _instants(axes: Axes, e: Evidence) -> None:
 def _integrals(axes: Axes, e: Evidence) -> None:
     """Draw (b) W and b: deviation from exact, 1e-4 of it, printed and by each scheme."""
 
-    def off(values: Any, column: str) -> np.ndarray:
-        return np.asarray(1e4 * (np.asarray(values) / e.exact[column].to_numpy() - 1.0))
+    def off(values: Any, symbol: str) -> np.ndarray:
+        return np.asarray(1e4 * (np.asarray(values) / e.of("exact", symbol).to_numpy() - 1.0))
 
-    Y = 1e3 * e.exact["Y_m"]
     schemes = e.schemes[e.schemes["coefficients"] == "rounded"]
     chosen, other = {"color": REBUILT, "lw": 1.0}, {"color": FAINT, "lw": 0.6, "zorder": 2}
     for scheme, rows in schemes.groupby("scheme", sort=False):
         look: dict[str, Any] = chosen | {"zorder": 3} if scheme == "backward-euler" else other
-        for column, style in (("W_J", "-"), ("b_m2_per_s", "--")):
-            axes.plot(Y, off(rows[column], column), style, **look)
-    for column, marker in (("W_J", "o"), ("b_m2_per_s", "s")):
-        printed = off(e.printed(f"table2.{column[0]}."), column)
-        axes.plot(Y, printed, label=f"${column[0]}$ printed", **PRINTED | {"marker": marker})
+        for symbol, column, style in (("W", "W_J", "-"), ("b", "b_m2_per_s", "--")):
+            axes.plot(e.Y, off(rows[column], symbol), style, **look)
+    for symbol, marker in (("W", "o"), ("b", "s")):
+        printed = off(e.printed(symbol), symbol)
+        axes.plot(e.Y, printed, label=f"${symbol}$ printed", **PRINTED | {"marker": marker})
     # Named near the level where the lines of W and b are clear of each other.
     _words(axes, 8.0, {"backward Euler": -1.9, "explicit Euler": 1.95, "other schemes": 0.6})
     axes.set_ylim(-4.6, 3.2)
@@ -164,9 +175,8 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
         look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
         axes.plot(h[rows.index], error[rows.index], **look)
     line = np.geomspace(h.min(), h.max(), 50)
-    omega = float(e.exact["omega_rad_per_s"].iloc[0])
     for sign in (1.0, -1.0):
-        axes.plot(line, sign * 1e-6 * oscillator.m * omega**2 * line, color=FAINT, lw=0.8)
+        axes.plot(line, sign * 1e-6 * oscillator.m * e.omega**2 * line, color=FAINT, lw=0.8)
     names = {
         r"backward Euler, $m\omega^2h$": 0.9,
         "semi-implicit Euler": 3e-4,
@@ -174,7 +184,7 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
         r"explicit Euler, $-m\omega^2h$": -0.9,
     }
     _words(axes, 12.0, names)
-    printed = float(e.printed("text.c_direct_ls")[0]) - oscillator.c
+    printed = float(e.printed("c", "least_squares", "direct")[0]) - oscillator.c
     star = {"marker": "*", "ms": 8.0}
     axes.plot([1e6 * step_s], [printed], **(PRINTED | star))
     axes.set_xscale("log")
@@ -189,15 +199,14 @@ def _phase(axes: Axes, e: Evidence) -> None:
     """Draw (d): the printed φ and the three phases it might be."""
     from matplotlib import ticker  # slow to import, and the page takes the evidence alone
 
-    Y = 1e3 * e.exact["Y_m"]
     for phase, colour, style in (
         ("zero_crossing", OTHER, "--"),
         ("fundamental", THIRD, "-."),
         ("reversal", REBUILT, "-"),
     ):
-        values = e.exact[f"phi_{phase}_rad"]
-        axes.plot(Y, values, label=phase.replace("_", " "), ls=style, color=colour)
-    axes.plot(Y, e.printed("table1.phi."), label="printed", **PRINTED)
+        values = e.of("exact", f"phi_{phase}")
+        axes.plot(e.Y, values, label=phase.replace("_", " "), ls=style, color=colour)
+    axes.plot(e.Y, e.printed("phi"), label="printed", **PRINTED)
     axes.legend(loc="lower right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.yaxis.set_major_locator(ticker.MaxNLocator(5))
     axes.set_ylabel(r"$\varphi$ (rad)")
@@ -205,33 +214,35 @@ def _phase(axes: Axes, e: Evidence) -> None:
 
 def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     """Draw (e): t_s exact, without a step at each end, in whole units; and as printed."""
-    Y, t = 1e3 * e.exact["Y_m"].to_numpy(), e.exact["t_s_s"].to_numpy()
+    Y, t = e.Y, e.of("exact", "t_s").to_numpy()
     inside = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
     bar: dict[str, Any] = {"marker": "_", "ms": 9.0, "mew": 1.4, "ls": "none", "color": REBUILT}
     axes.plot(Y, 1e3 * t, label="exact", color=OTHER, ls="--")
     axes.plot(Y, 1e3 * inside, label=f"rounded down to {1e3 * unit_s:g} ms", **bar)
-    axes.plot(Y, 1e3 * e.printed("table1.t_s."), label="printed", **PRINTED)
+    axes.plot(Y, 1e3 * e.printed("t_s"), label="printed", **PRINTED)
     axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.set_ylabel("$t_s$ (ms)")
 
 
 def _sign(axes: Axes, e: Evidence) -> None:
     """Draw (f): the pairs by V_s, as computed with either sign, less the printed number, in units of its last digit."""
-    pairs = e.estimates[(e.estimates["kind"] == "pair") & (e.estimates["phase"] == "common")]
-    prefixes = {term: f"table3.V_s.{term.symbol}." for term in TERMS.values()}
-    terms = [term for term, prefix in prefixes.items() if e.printed(prefix).size]
+
+    def pairs(column: str, symbol: str, approach: str) -> pd.Series:
+        return e.of(column, symbol, "pair", approach)[e.numbers["sharing"] == "common"]
+
+    terms = [term for term in TERMS.values() if (pairs("printed", term.symbol, "V_s") != "").any()]
     labels: list[str] = []
     axes.axhspan(-0.5, 0.5, color=STICK, alpha=0.2, lw=0, zorder=0)
     for name, marker, colour, sign in (
         ("V_s", "o", REBUILT, "+"),
         ("V_s with minus", "^", OTHER, "−"),
     ):
-        rows = pairs[pairs["approach"] == name]
-        labels = list(rows["pair"])
         for n, term in enumerate(terms):
-            decimals = max(len(t.partition(".")[2]) for t in e.texts(prefixes[term]))
-            unit = math.pow(10.0, -decimals)
-            off = (rows[term.column].to_numpy() - e.printed(prefixes[term])) / unit
+            labels = list(pairs("line", term.symbol, name))
+            printed = pairs("printed", term.symbol, "V_s")
+            unit = math.pow(10.0, -max(len(text.partition(".")[2]) for text in printed))
+            obtained = pairs("as_published", term.symbol, name)
+            off = (obtained.to_numpy() - printed.astype(float).to_numpy()) / unit
             places = np.arange(len(labels)) + 0.28 * (n - 0.5 * (len(terms) - 1))
             look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 4.0, "color": colour}
             look |= {"mfc": "none"} if n else {}
@@ -248,47 +259,49 @@ def _sign(axes: Axes, e: Evidence) -> None:
     axes.set_ylabel("deviation (units of last digit)", labelpad=1.0)
 
 
-class Damping(NamedTuple):
-    """c, N s/m: the true value, what the scheme adds to it (mω²h), and what direct integration identifies by least
-    squares from the rebuilt simulation and in print."""
-
-    true: float
-    added: float
-    rebuilt: float
-    printed: float
+GLANCE = {
+    "paper’s fit": "reversal",
+    r"mean $\varphi$ (ours)": "mean",
+    r"own $\varphi_1$": "fundamental",
+    "Fourier balance": "fourier",
+}
+"""Label → its way of `comparison.WAYS_TO_COMPARE`. The fit with a mean φ is ours: the paper takes that phase in its
+pairs, and each level's φ in its least squares."""
 
 
 @styled()
-def glance(
-    damping: Damping, errors: Mapping[str, Sequence[float]], frequencies: Sequence[float]
-) -> Figure:
-    """Draw two panels: (a) the damping, true, with that of the scheme, rebuilt and printed; (b) errors of F_k.
-
-    errors : label → error of F_k at each frequency, %, with sign; up to four labels.   frequencies : Hz.
-    """
+def glance(evidence: Evidence, oscillator: Oscillator, step_s: float) -> Figure:
+    """Draw two panels: (a) c: the true one, with the mω²h of the scheme, and by direct integration from the rebuilt
+    simulation and in print; (b) the errors of F_k by least squares at each frequency."""
+    e, fit = evidence, ("c", "least_squares", "direct")
+    true, added = oscillator.c, oscillator.m * e.omega**2 * step_s
+    rebuilt, printed = float(e.of("as_published", *fit).iloc[0]), float(e.printed(*fit)[0])
+    frequencies = select(e.numbers, quantity="omega", kind="parameter")["exact"].to_list()
+    fits = select(e.numbers, quantity="F_k", kind="least_squares", unit="%")
     figure = page(DOUBLE_COLUMN, 53.0)
     left, right = (place(figure, x, 11.0, wide, 36.0) for x, wide in ((28.0, 50.0), (96.0, 82.0)))
     rows = {
-        "true $c$": (damping.true, {"marker": "D", "color": INK}),
-        r"true $c + m\omega^2h$": (damping.true + damping.added, {"marker": "^", "color": FAINT}),
-        "rebuilt": (damping.rebuilt, {"marker": "s", "color": REBUILT}),
-        "printed": (damping.printed, {"marker": "o", "color": PRINTED["color"]}),
+        "true $c$": (true, {"marker": "D", "color": INK}),
+        r"true $c + m\omega^2h$": (true + added, {"marker": "^", "color": FAINT}),
+        "rebuilt": (rebuilt, {"marker": "s", "color": REBUILT}),
+        "printed": (printed, {"marker": "o", "color": PRINTED["color"]}),
     }
     for n, (c, mark) in enumerate(rows.values()):
         left.plot([c], [n], ls="none", ms=4.5, zorder=3, **mark)
         note(left, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
-    arrow(left, (damping.true, 1.0), (damping.true + 0.96 * damping.added, 1.0), FAINT)
-    left.axvline(damping.true, color=FAINT, lw=0.5, ls=":")
-    left.axvline(damping.printed, color=PRINTED["color"], lw=0.5, ls=":")
+    arrow(left, (true, 1.0), (true + 0.96 * added, 1.0), FAINT)
+    left.axvline(true, color=FAINT, lw=0.5, ls=":")
+    left.axvline(printed, color=PRINTED["color"], lw=0.5, ls=":")
     left.set_yticks(range(len(rows)), list(rows))
     left.set_ylim(len(rows) - 0.5, -0.6)
-    left.set_xlim(damping.true - 0.25 * damping.added, damping.true + 1.6 * damping.added)
+    left.set_xlim(true - 0.25 * added, true + 1.6 * added)
     left.ticklabel_format(axis="x", useOffset=False)
     left.locator_params(axis="x", nbins=4)
     left.tick_params(axis="y", length=0)
     left.set_xlabel("$c$ by direct integration, all levels (N s/m)")
     # (b) on an axis that is linear about zero, so that the sign shows
-    for n, ((label, values), look) in enumerate(zip(errors.items(), _MARKERS, strict=False)):
+    for n, ((label, way), look) in enumerate(zip(GLANCE.items(), _MARKERS, strict=True)):
+        values = select(fits, **dict(zip(WAY, WAYS_TO_COMPARE[way], strict=True)))["exact"]
         places = [f + 0.24 * (n - 1.5) for f in range(len(frequencies))]
         right.vlines(places, 0.0, values, color=look["color"], lw=1.2)
         right.plot(places, values, ls="none", ms=4.5, label=label, **look)

@@ -25,6 +25,9 @@ SIGNIFICANT_DIGITS = 15
 """Digits of a float in a table: all that survive a round trip through decimal text. Exact responses agree in them on
 every processor that was tried, and differences of two responses need them."""
 
+EVERY_DIGIT = 17
+"""Digits with which a float comes back with every bit, for a table whose numbers are compared with printed ones."""
+
 READ_OUT_DIGITS = 13
 """Digits of features read off a sampled response. In the paper's case another processor changes them by up to 5e-14,
 relative; where the truth is zero, as for harmonics of a response that sticks, it changes every digit."""
@@ -109,7 +112,7 @@ def write_rows(path: str | Path, rows: Sequence[Mapping[str, object]]) -> None:
     write_text(path, out.getvalue())
 
 
-NAMES = ("frequency", "printed", "verdict")
+NAMES = ("id", "frequency", "phase", "sharing", "line", "unit", "printed", "verdict")
 """Columns that hold names or printed digits, which may look like a number, or like no value (01, 1e3, nan)."""
 
 

@@ -9,22 +9,19 @@ so that each error is that of the approach.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, get_args
+from collections.abc import Iterable, Mapping
+from itertools import product
+from typing import TYPE_CHECKING
 
-from ..balance import APPROACHES, TERMS
-from ..estimates import estimate_table
-from ..features import Features, PhaseKind
-from ..model import Oscillator
-from ..project.case import Case
+from ..balance import APPROACHES, TERMS, takes_phase
 from ..project.wording import markdown_table, percent, signed, signed_percent
+from .numbers import PHASES, Numbers, number
 
 if TYPE_CHECKING:
     import pandas as pd
 
-PHASES: tuple[PhaseKind, ...] = get_args(PhaseKind)
-"""The lags of x behind y that the harmonic approaches can use."""
+SHARINGS = ("individual", "common")
+_ERRORS = {"least_squares": "error_percent", "largest": "largest_pair_error_percent"}
 
 WAY = ("approach", "phase", "sharing")
 WAYS_TO_COMPARE = {
@@ -55,7 +52,7 @@ CAUSES = {"which": "reversal", "shared": "shared", "both": "mean"}
 """A wrong phase → the way of WAYS that takes it: which phase, one phase for all levels, and both."""
 
 
-def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFrame:
+def approaches_table(numbers: Numbers, frequencies_hz: Mapping[str, float]) -> pd.DataFrame:
     """Tabulate the errors of the coefficients, %, by every approach, definition of the phase, and frequency.
 
     Columns: frequency, frequency_hz; approach, a key of balance.APPROACHES; phase, reversal, zero_crossing or
@@ -63,15 +60,26 @@ def approaches_table(features: Mapping[str, Features], case: Case) -> pd.DataFra
     phase). Then F_k_error_percent … of the least squares over all levels, with sign, and
     F_k_largest_pair_error_percent …, the size of the largest over the pairs of levels.
 
-    features : exact ones by frequency.   case : its frequencies in the order of the table, the true F_k and c, the
-    pairs of levels.
+    frequencies_hz : in the order of the table.
 
     NaN: an estimate that does not exist (nothing slips), and an error relative to a true value of zero.
     """
+    ways = [
+        dict(zip(WAY, way, strict=True))
+        for name in APPROACHES
+        for way in (product((name,), PHASES, SHARINGS) if takes_phase(name) else [(name, "", "")])
+    ]
     records = [
-        {"frequency": name, "frequency_hz": hz, **errors}
-        for name, hz in case.frequencies_hz.items()
-        for errors in _errors(features[name], case)
+        {"frequency": name, "frequency_hz": hz, **way}
+        | {
+            f"{symbol}_{column}": number(
+                numbers, "exact", frequency=name, quantity=symbol, kind=kind, unit="%", **way
+            )
+            for kind, column in _ERRORS.items()
+            for symbol in TERMS
+        }
+        for name, hz in frequencies_hz.items()
+        for way in ways
     ]
     import pandas as pd  # slow to import, and needed for tables only
 
@@ -92,41 +100,6 @@ def approaches_markdown(table: pd.DataFrame, title: str) -> str:
         "",
     ]
     return "\n".join(lines)
-
-
-def relative_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, pd.Series[float]]:
-    """Return the signed errors of F_k and c, %, of each line of a table of estimates; NaN for a true value of zero."""
-    return {
-        name: 100.0 * (estimates[term.column] / (getattr(osc, name, 0.0) or math.nan) - 1.0)
-        for name, term in TERMS.items()
-    }
-
-
-def largest_errors(estimates: pd.DataFrame, osc: Oscillator) -> dict[str, float]:
-    """Return the size of the largest errors of F_k and c, %, in a table of estimates."""
-    errors = relative_errors(estimates, osc)
-    return {name: float(error.abs().max()) for name, error in errors.items()}
-
-
-def _errors(features: Features, case: Case) -> Iterator[dict[str, object]]:
-    """Yield the lines of one frequency, approach by approach; one that takes no choice of phase has a single line."""
-    osc, pairs = case.oscillator, case.pairs
-    tables = {phase: estimate_table(features.with_phase(phase), osc.k, pairs) for phase in PHASES}
-    for approach in APPROACHES.values():
-        chooses = approach.takes_phase
-        for phase in PHASES if chooses else PHASES[:1]:
-            lines = tables[phase][tables[phase]["approach"] == approach]
-            for sharing, estimates in lines.groupby("phase", sort=False):
-                words = (approach, phase, sharing) if chooses else (approach, "", "")
-                fit, pairwise = (
-                    estimates[estimates["kind"] == kind] for kind in ("least_squares", "pair")
-                )
-                of_fit, of_pairs = relative_errors(fit, osc), largest_errors(pairwise, osc)
-                yield {
-                    **dict(zip(WAY, words, strict=True)),
-                    **{f"{name}_error_percent": e.iloc[0] for name, e in of_fit.items()},
-                    **{f"{name}_largest_pair_error_percent": e for name, e in of_pairs.items()},
-                }
 
 
 def cause_shifts(

@@ -1,13 +1,12 @@
 """Compute the numbers that the article argues with and no other result contains, each from the tables of results.
 
-`derived_numbers` collects them in one nested dictionary, so that each has a place (a JSON pointer) in one file.
+Each is a row of derived.csv, next to the table of numbers: an id, a value, its unit. Article and page look the id up.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -15,248 +14,214 @@ import pandas as pd
 
 from ...balance import TERMS, viscous_integral
 from ...estimates import estimate_table
-from ...features import Features
-from ...figures.numerics import Damping, Evidence
+from ...features import FEATURE_COLUMNS, Features
 from ...model import Oscillator
 from ...project.case import Case
-from ...project.files import plain
-from ...replication import comparison
-from ...replication.authors_route import (
-    added_damping,
-    damping_by_hand,
-    effective_damping,
-    printed_coefficients,
-)
-from ...replication.claims import evidence as proof
-from ...replication.claims import unprinted
-from ...replication.claims.verdicts import VERDICTS, counts, of_cell, of_text
+from ...replication import authors_route, comparison
+from ...replication import numbers as of_routes
+from ...replication.claims import evidence, unprinted, verdicts
 from ...replication.clean import CYCLES_TO_READ
+from ...replication.numbers import Numbers, select
 from ...replication.read_out import ReadOut
-from ...replication.rebuilt_tables import TABLE_2, RouteTables
 from ...solver import Pair
+from ...studies.parameters import parameter
+from ...studies.study_file import Study
 
-Json = dict[str, Any]
+Rows = dict[str, tuple[Any, str]]
+"""Id → a number or a text, and its unit. None or NaN stands for a number that does not exist."""
 
-GLANCE = {
-    "paper’s fit": "reversal",
-    r"mean $\varphi$ (ours)": "mean",
-    r"own $\varphi_1$": "fundamental",
-    "Fourier balance": "fourier",
-}
-"""Label of the figure at a glance → its way of `comparison.WAYS_TO_COMPARE`. The fit with a mean φ is ours: the paper
-takes that phase in its pairs, and each level's φ in its least squares."""
+
+def rows(group: str, values: Mapping[Any, Any], unit: str = "") -> Rows:
+    """Return the rows of a group, whose ids are GROUP.NAME."""
+    return {f"{group}.{name}": (value, unit) for name, value in values.items()}
+
+
+def table(derived: Rows) -> list[dict[str, object]]:
+    """Return the rows of derived.csv."""
+    return [{"id": name, "value": value, "unit": unit} for name, (value, unit) in derived.items()]
 
 
 def derived_numbers(
     case: Case,
-    features: Mapping[str, Mapping[str, pd.DataFrame]],
-    estimates: Mapping[str, Mapping[str, pd.DataFrame]],
+    numbers: pd.DataFrame,
     claims: pd.DataFrame,
-    approaches: pd.DataFrame,
     schemes: pd.DataFrame,
     cycles: pd.DataFrame,
-    unrounded: pd.DataFrame,
-) -> Json:
-    """Return all numbers of evidence.json, each group under the name of what it describes.
+) -> Rows:
+    """Return all numbers that follow from the table of numbers and from the claims.
 
-    features, estimates : route (exact, as_published) → frequency → table.   claims : the table of verdicts, as text.
-    approaches, schemes, cycles : by `comparison.approaches_table`, `authors_route.scheme_table` and `trial_table`.
-    unrounded : features of the as-published simulation at the first frequency, before they are read.
-
-    None stands for a number that does not exist, such as the relative error of a true value of zero.
+    numbers : of all routes, with what is printed (`numbers.with_claims`).   claims : the table of verdicts, as text.
+    schemes, cycles : by `authors_route.scheme_table` and `trial_table`.
     """
-    oscillator, pairs = case.oscillator, case.pairs
-    exact = {name: Features.from_frame(table) for name, table in features["exact"].items()}
-    first, features_of_first = next(iter(exact.items()))
-    terms = {name: balance_terms(of, oscillator) for name, of in exact.items()}
-    errors = approaches.set_index("approach")
-    rebuilt = features["as_published"][first]
-    per_sample = 2.0 * rebuilt["V_s_m_per_s"] * case.numerics.step_s  # of a, for one sample more
-    added = added_damping(case, float(features_of_first.omega[0]))
-    return plain(
-        {
-            "setting": setting(case, features_of_first),
-            "verdicts": {
-                count.key: {
-                    **count.of_verdict,
-                    "computed": count.computed,
-                    "given": count.given,
-                    "statement": count.statements,
-                    "statements_held": count.statements_held,
-                }
-                for count in counts(claims)
-            },
-            "chance": proof.chance(claims),
-            "routes": proof.by_route(claims),
-            "choices": numbers_of_free_choices(case),
-            "table_3": proof.inputs_of_table_3(case, features["exact"][first], unrounded, claims),
-            "unprinted": left_open(case, features["exact"], claims),
-            "recipe": recipe(case, features_of_first),
-            # of backward Euler near resonance, where c, as rounded, acts as c + mω²h, N s/m
-            "dissipation": {
-                "added": added,
-                "effective": effective_damping(case, float(features_of_first.omega[0])),
-                "rounded": oscillator.m * printed_coefficients(case)["c_over_m"],
-                "by_hand": damping_by_hand(case, first),
-                "relative": added / oscillator.c if oscillator.c else math.nan,
-            },
-            "integrals": integral_deviations(features["exact"][first], rebuilt, claims, schemes),
-            "lock_in": {name: lock_in_errors(f, oscillator, pairs) for name, f in exact.items()},
-            "fourier_largest": {
-                term: errors.loc[["fourier"], f"{term}_largest_pair_error_percent"].max()
-                for term in TERMS
-            },
-            "balance": terms,
-            "causes": comparison.cause_shifts(approaches, case.frequencies_hz),
-            "fundamental_work_largest": max(of["W_fundamental"]["max"] for of in terms.values()),
-            "two_point_largest": {  # of the pairs by Table 3's formulas
-                route: {
-                    name: comparison.largest_errors(
-                        RouteTables({}, of).pairs(frequency=name), oscillator
-                    )
-                    for name in of
-                }
-                for route, of in estimates.items()
-            },
-            "direct_largest": {  # with exact features at any frequency, %
-                term: errors.loc[["direct"]]
-                .filter(regex=f"^{term}_.*error_percent$")
-                .abs()
-                .max(axis=None)
-                for term in TERMS
-            },
-            # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
-            "slip_detected": _range((_printed(claims, "a") - rebuilt["a_m"]) / per_sample),
-            "step_from_W": step_from_work(claims, schemes, case),
-            "cycles": agreement_of_instants(sampling_instants(cycles, claims), claims),
-            "vocabulary": {
-                "verdicts": [asdict(verdict) for verdict in VERDICTS.values()],
-                "ways": comparison.WAYS_TO_COMPARE,
-            },
-        }
+    by_key = of_routes.by_key(numbers)
+    exact, rebuilt = (
+        {n: of_routes.features_of(by_key, route, n, case.omega(n)) for n in case.frequencies_hz}
+        for route in ("exact", "as_published")
     )
-
-
-def setting(case: Case, first: Features) -> Json:
-    """Describe the case: parameters, frequencies, levels, and the rounded coefficients of the equation divided by m."""
-    osc, numerics = case.oscillator, case.numerics
-    return {
-        **asdict(osc),
-        "zeta": osc.zeta,
-        "natural_frequency_hz": osc.omega_n / (2.0 * math.pi),
-        "swing_um": 2e6 * osc.Z_m,  # 2 Z_m
-        "frequency_hz": dict(case.frequencies_hz),
-        "levels_mm": (1e3 * first.Y).tolist(),
-        "levels": len(first),
-        "frequencies": len(case.frequencies_hz),
-        "pairs": len(case.pairs),
-        "scheme": numerics.scheme.replace("-", " ").replace("euler", "Euler"),
-        "step_us": 1e6 * numerics.step_s,
-        "cycles": numerics.cycles,
-        "steps_per_cycle": round(2.0 * math.pi / float(first.omega[0]) / numerics.step_s),
-        **printed_coefficients(case),
-        "t_s_mean_ms": 1e3 * float(np.mean(first.t_s)),
-        "phi_mean": float(np.mean(first.phi)),
+    first, *_, last = exact
+    derived = {
+        **setting(case, exact[first]),
+        **verdict_counts(claims),
+        **rows("chance", evidence.chance(claims)),
+        **rows("routes", evidence.by_route(claims)),
+        **rows("choices", {n: len(of) for n, of in evidence.free_choices(case).items()}),
+        **inputs_of_table_3(case, by_key),
+        **left_open(case, last, exact[last], by_key),
+        **damping(case, first, schemes),
+        **integral_deviations(exact[first], rebuilt[first], numbers, schemes),
+        **step_from_work(numbers, schemes, case),
+        **agreement_of_instants(sampling_instants(cycles, numbers), numbers),
+        **largest_errors(numbers),
     }
+    # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
+    per_sample = 2.0 * rebuilt[first].V_s * case.numerics.step_s
+    off = (_printed(numbers, "a") - rebuilt[first].a) / per_sample
+    derived["rebuilt.a.samples"] = (_largest(off), "")
+    for name, features in exact.items():
+        derived |= balance_terms(name, features, case.oscillator)
+        derived |= lock_in_errors(name, features, case.oscillator, case.pairs)
+    # of πkYX_1 sin φ_1, which is rounding
+    work = (
+        np.pi
+        * case.oscillator.k
+        * np.array([f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()])
+    )
+    derived["W_fundamental"] = (100.0 * _largest(work - 1.0), "%")
+    approaches = comparison.approaches_table(by_key, case.frequencies_hz)
+    for name, shifts in comparison.cause_shifts(approaches, case.frequencies_hz).items():
+        derived |= rows(f"cause.{name}", {cause: shifts[cause] for cause in comparison.CAUSES}, "%")
+    return derived
 
 
-def recipe(case: Case, exact: Features) -> Json:
-    """Return the numbers of the recipe for Table 3: how the responses at the first frequency are read.
+def setting(case: Case, exact: Features) -> Rows:
+    """Describe the simulation, and how the responses at the first frequency are read, step by step, for Table 3.
 
-    None stands for a rule that the case does not have.
+    c_over_m, k_over_m : the rounded coefficients of the equation divided by m.   count : numbers of levels and so on.
 
     periods : number simulated before the cycle that is read.
     slip_samples : number of samples after the detection of slip at which a begins, level by level.
-    X_um, mark_um : units to which X and X + X_s are read.   swing_um : X + X_s as read, if all levels agree.
-    steps : number of steps subtracted from t_s.   t_s_unit_ms, t_s_ms : unit of t_s, and its value for all levels.
+    X, mark : units to which X and X + X_s are read.   swing : X + X_s as read, if all levels agree.
+    steps : number of steps subtracted from t_s.   t_s_unit, t_s : unit of t_s, and its value for all levels.
     phi, phi_decimals : the phase for all levels, rad, and its decimals.
 
     exact : features of the exact responses; read to such coarse units, those of the simulation give the same numbers.
     """
-    numerics = case.numerics
-    rules = ReadOut.from_config(numerics.two_point)
-    common = rules.common(exact)
-    swings = sorted({round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()})
+    numerics, rules = case.numerics, ReadOut.from_config(case.numerics.two_point)
+    coefficients, common = authors_route.printed_coefficients(case), rules.common(exact)
+    sizes = {"levels": case.levels_m, "frequencies": case.frequencies_hz, "pairs": case.pairs}
+    swings = {round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()}
+    agreed = rules.X_s_mark is not None and len(swings) == 1
     return {
-        "periods": numerics.cycles - CYCLES_TO_READ,
-        "slip_samples": ", ".join(map(str, numerics.slip_samples)),
-        "X_um": None if rules.X_decimals is None else 10.0 ** (6 - rules.X_decimals),
-        "mark_um": None if rules.X_s_mark is None else 1e6 * rules.X_s_mark,
-        "swing_um": swings[0] if rules.X_s_mark is not None and len(swings) == 1 else None,
-        "steps": round(rules.t_s_inset / numerics.step_s, 3),
-        "t_s_unit_ms": None if rules.t_s_unit is None else 1e3 * rules.t_s_unit,
-        "t_s_ms": 1e3 * float(common.t_s[0]),
-        "phi": float(common.phi[0]),
-        "phi_decimals": rules.common_phi_decimals,
+        "swing": (2e6 * case.oscillator.Z_m, "µm"),  # 2 Z_m
+        "scheme": (numerics.scheme.replace("-", " ").replace("euler", "Euler"), ""),
+        "step": (1e6 * numerics.step_s, "µs"),
+        "c_over_m": (coefficients["c_over_m"], "s⁻¹"),
+        "k_over_m": (coefficients["k_over_m"], "s⁻²"),
+        **rows("count", {name: len(of) for name, of in sizes.items()}),
+        "recipe.periods": (numerics.cycles - CYCLES_TO_READ, ""),
+        "recipe.slip_samples": (", ".join(map(str, numerics.slip_samples)), ""),
+        "recipe.X": (rules.X_decimals and 10.0 ** (6 - rules.X_decimals), "µm"),
+        "recipe.mark": (rules.X_s_mark and 1e6 * rules.X_s_mark, "µm"),
+        "recipe.swing": (swings.pop() if agreed else None, "µm"),
+        "recipe.steps": (round(rules.t_s_inset / numerics.step_s, 3), ""),
+        "recipe.t_s_unit": (rules.t_s_unit and 1e3 * rules.t_s_unit, "ms"),
+        "recipe.t_s": (1e3 * float(common.t_s[0]), "ms"),
+        "recipe.phi": (float(common.phi[0]), ""),
+        "recipe.phi_decimals": (rules.common_phi_decimals, ""),
     }
 
 
-def numbers_of_free_choices(case: Case) -> Json:
-    """List the free choices behind the as-published numbers with their counts: continuous, discrete, list."""
-    choices = proof.free_choices(case)
-    return {**{kind: len(of) for kind, of in choices.items()}, "list": choices}
+def verdict_counts(claims: pd.DataFrame) -> Rows:
+    """Return how many numbers earn each verdict, by part of the paper; and the mark and the meaning of each verdict."""
+    counted: Rows = {}
+    for count in verdicts.counts(claims):
+        others = {"computed": count.computed, "given": count.given}
+        others |= {"statement": count.statements, "statements_held": count.statements_held}
+        counted |= rows(f"verdicts.{count.key}", {**count.of_verdict, **others})
+    for name, verdict in verdicts.VERDICTS.items():
+        counted |= rows(f"verdict.{name}", {"mark": verdict.mark, "meaning": verdict.meaning})
+    return counted
 
 
-def left_open(case: Case, exact: Mapping[str, pd.DataFrame], claims: pd.DataFrame) -> Json:
-    """Count how often unprinted read-outs exceed the largest error that the paper states at its last frequency.
+def inputs_of_table_3(case: Case, numbers: Numbers) -> Rows:
+    """Return `evidence.inputs_of_table_3`: what the inputs give, and how many numbers a step of one of them changes.
 
-    draws, seed : of the Monte Carlo.   spreads : half widths of X, µm, and φ, rad, and the share of draws above the
-    printed bound, %.   rounded : low and high, between which the largest error, %, of the inner inner_percent of the
-    draws lies where X alone is rounded as for Table 3.
+    moved : with the input one step less, 0, and one step more, 1; or with the other sign, 0.
     """
-    last, table = list(exact.items())[-1]
-    printed = claims.set_index("id")["printed"].get(of_text(f"max_error_{last}"))
-    bound = float(printed) if printed is not None else math.nan
-    spreads = unprinted.drawn(table, case, bound)
-    (rounded,) = unprinted.drawn(table, case, bound, [unprinted.ROUNDED])
+    found = evidence.inputs_of_table_3(case, numbers)
+    derived = rows(
+        "table_3", {name: found[name] for name in ("inputs", "given", "given_by_exact_X")}
+    )
+    derived |= rows("moved_X", dict(zip(("fewest", "most"), found["moved_X"], strict=True)))
+    for name in ("X + X_s", "t_s", "phi", "sign"):
+        derived |= rows(f"moved.{name}", dict(enumerate(found["moved"][name])))
+    return derived
+
+
+def left_open(case: Case, frequency: str, exact: Features, numbers: Numbers) -> Rows:
+    """Count how often unprinted read-outs exceed the largest error that the paper states at a frequency.
+
+    draws, seed : of the Monte Carlo.   0, 1, 2 : of the spreads, half widths of X and φ, and the share of draws above
+    the printed bound.   rounded : low and high, between which the largest error of the inner part of the draws lies
+    where X alone is rounded as for Table 3.
+    """
+    worst = of_routes.Key(frequency, "any", of_routes.HARMONIC, "largest", "", "common", unit="%")
+    bound = float(numbers[worst]["printed"] or math.nan)
+    (rounded,) = unprinted.drawn(exact, case, bound, [unprinted.ROUNDED])
+    derived = rows("unprinted", {"draws": unprinted.DRAWS, "seed": unprinted.SEED})
+    derived |= rows("unprinted", {"inner": 100.0 * (1.0 - 2.0 * unprinted.RARE)}, "%")
+    derived |= rows("unprinted.rounded", {"low": rounded.low, "high": rounded.high}, "%")
+    for n, of in enumerate(unprinted.drawn(exact, case, bound)):
+        derived[f"unprinted.{n}.X"] = (1e6 * of.X_m, "µm")
+        derived[f"unprinted.{n}.phi"] = (of.phi_rad, "rad")
+        derived[f"unprinted.{n}.above"] = (100.0 * of.share, "%")
+    return derived
+
+
+def damping(case: Case, frequency: str, schemes: pd.DataFrame) -> Rows:
+    """Return what backward Euler adds to c near resonance, where c, as rounded, acts as c + mω²h; and c by each scheme.
+
+    schemes : the table of `authors_route.scheme_table`.
+    """
+    omega, unit = case.omega(frequency), "N s/m"
+    rounded = case.oscillator.m * authors_route.printed_coefficients(case)["c_over_m"]
+    simulated = select(schemes, coefficients="rounded").drop_duplicates("scheme")
     return {
-        "draws": unprinted.DRAWS,
-        "seed": unprinted.SEED,
-        "inner_percent": 100.0 * (1.0 - 2.0 * unprinted.RARE),
-        "spreads": [
-            {"X_um": 1e6 * of.X_m, "phi_rad": of.phi_rad, "above_percent": 100.0 * of.share}
-            for of in spreads
-        ],
-        "rounded": {"low": rounded.low, "high": rounded.high},
+        "added": (authors_route.added_damping(case, omega), unit),
+        "effective": (authors_route.effective_damping(case, omega), unit),
+        "c.rounded": (rounded, unit),
+        "c.by_hand": (authors_route.damping_by_hand(case, frequency), unit),
+        **rows("c", simulated.set_index("scheme")["c_N_s_per_m"].to_dict(), unit),
     }
 
 
 def integral_deviations(
-    exact: pd.DataFrame, rebuilt: pd.DataFrame, claims: pd.DataFrame, schemes: pd.DataFrame
-) -> Json:
-    """Return the relative deviations of a, b and W of Table 2, as ranges over the levels.
+    exact: Features, rebuilt: Features, numbers: pd.DataFrame, schemes: pd.DataFrame
+) -> Rows:
+    """Return relative deviations of the printed a, b and W of Table 2.
 
-    printed : of the printed numbers from the exact ones.   as_published : of the rebuilt simulation from the exact one.
-    printed_from_rebuilt : of the printed numbers from the rebuilt ones, in size; without the first level as well.
-    printed_from_c_over_m, printed_from_unrounded : of the printed numbers from a simulation with c/m alone rounded, and
-    with no coefficient rounded, in size.
-    printed_from_by_hand : likewise, from the exact solver with the damping of the simulation put in by hand.
+    dev : from the exact ones, at the highest level.   rebuilt : from the rebuilt ones, the largest in size; b at the
+    first level by itself.   c_over_m, unrounded : the largest of W from a simulation with c/m alone rounded, and with
+    no coefficient rounded.   by_hand : likewise, from the exact solver with the damping of the simulation put in.
     """
+    printed = {name: _printed(numbers, name) for name in of_routes.TABLE_2}
+    off = {name: of / getattr(exact, name) - 1.0 for name, of in printed.items()}
+    a, b, W = (of / getattr(rebuilt, name) - 1.0 for name, of in printed.items())
+    derived = rows("dev", {name: of[-1] for name, of in off.items()})
+    largest = {"a": _largest(a), "b": _largest(b[1:]), "b.first": abs(b[0]), "W": _largest(W)}
+    derived |= rows("rebuilt", largest)
     others = {
-        "printed_from_c_over_m": ("backward-euler", "c_over_m"),
-        "printed_from_unrounded": ("backward-euler", "exact"),
-        "printed_from_by_hand": ("exact", "by_hand"),
+        "c_over_m": ("backward-euler", "c_over_m"),
+        "unrounded": ("backward-euler", "exact"),
+        "by_hand": ("exact", "by_hand"),
     }
-    simulated = {(of, by): rows for (of, by), rows in schemes.groupby(["scheme", "coefficients"])}
-    deviations: Json = {}
-    for name, _, column, _ in TABLE_2:
-        printed = _printed(claims, name)
-        from_rebuilt = np.abs(printed / rebuilt[column] - 1.0)
-        deviations[name] = {
-            "printed": _range(printed / exact[column] - 1.0),
-            "as_published": _range(rebuilt[column] / exact[column] - 1.0),
-            "printed_from_rebuilt": _range(from_rebuilt),
-            "printed_from_rebuilt_beyond_first": _range(from_rebuilt[1:]),
-            **{
-                of: _range(np.abs(printed / simulated[which][column].to_numpy() - 1.0))
-                for of, which in others.items()
-            },
-            "printed_from_rebuilt_at_first": from_rebuilt[0],
-        }
-    return deviations
+    for name, (scheme, coefficients) in others.items():
+        of = select(schemes, scheme=scheme, coefficients=coefficients)[FEATURE_COLUMNS["W"]]
+        derived[f"{name}.W"] = (_largest(printed["W"] / of.to_numpy() - 1.0), "")
+    return derived
 
 
-def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Json:
+def step_from_work(numbers: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> Rows:
     """Return the step, µs, at which backward Euler gives each printed W of Table 2, by way of rounding c/m and k/m.
 
     Its error is proportional to h, and Runge–Kutta with the same coefficients gives W for h → 0.
@@ -264,12 +229,13 @@ def step_from_work(claims: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> J
     schemes : the table of `authors_route.scheme_table`.
     """
     W = schemes.set_index("scheme")
-    steps: Json = {}
+    steps: Rows = {}
     for rounding in ("rounded", "c_over_m", "exact"):
         of = W.loc[W["coefficients"] == rounding, "W_J"]
         euler, limit = (of[name].to_numpy() for name in ("backward-euler", "rk4"))
-        share = (_printed(claims, "W") - limit) / (euler - limit)
-        steps[rounding] = _range(1e6 * case.numerics.step_s * share)
+        share = (_printed(numbers, "W") - limit) / (euler - limit)
+        step = 1e6 * case.numerics.step_s * share
+        steps |= rows(f"step_from_W.{rounding}", {"min": step.min(), "max": step.max()}, "µs")
     return steps
 
 
@@ -277,7 +243,7 @@ SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m"]
 """The columns of `authors_route.trial_table` that name one simulation."""
 
 
-def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFrame:
+def sampling_instants(cycles: pd.DataFrame, numbers: pd.DataFrame) -> pd.DataFrame:
     """Return the sampling instant within a step that each printed a implies, in each cycle of each simulation.
 
     Adds a column instant: the part of a step by which a level deviates from the mean of its cycle, between −1/2 and
@@ -287,121 +253,129 @@ def sampling_instants(cycles: pd.DataFrame, claims: pd.DataFrame) -> pd.DataFram
     cycles : the table of `authors_route.trial_table`.
     """
     per_step = 2.0 * cycles["V_s_m_per_s"] * cycles["step_s"]
-    printed = _printed(claims, "a")[cycles["level"].to_numpy() - 1]
+    printed = _printed(numbers, "a")[cycles["level"].to_numpy() - 1]
     turns = np.exp(2j * np.pi * (printed - cycles["a_m"]) / per_step)
     mean = turns.groupby([cycles[name] for name in [*SIMULATION, "cycle"]]).transform("mean")
     return cycles.assign(instant=np.angle(turns / mean) / (2.0 * np.pi))
 
 
-def agreement_of_instants(instants: pd.DataFrame, claims: pd.DataFrame) -> Json:
+def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows:
     """Return how well the printed a of all levels agree on one sampling instant, in steps, by trial.
 
-    spread : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles.
-    count : number of cycles of the as-published simulation.   steps : number of other steps tried.
-    other_damping : of the trials with another c, put in by hand, the one whose instants agree best: its c (N s/m), its
-    spread, and by how much of itself its W misses print at most.
+    instants : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles.
+    cycles : number of cycles of the as-published simulation, and of other steps tried.
+    other_damping : of the trials with another c, put in by hand, the one whose instants agree best: its c, its spread,
+    and by how much of itself its W misses print at most.
 
-    instants : by `sampling_instants`.
+    instants (argument) : by `sampling_instants`.
     """
-    W = _printed(claims, "W")[instants["level"].to_numpy() - 1]
+    W = _printed(numbers, "W")[instants["level"].to_numpy() - 1]
     sizes = instants.assign(spread=instants["instant"].abs(), W=(instants["W_J"] / W - 1.0).abs())
     spreads = sizes.groupby([*SIMULATION, "cycle"])["spread"].max().groupby("trial")
     of_damping = sizes[sizes["trial"] == "other_damping"].groupby("c_N_s_per_m")
     largest = of_damping[["spread", "W"]].max()
     best = largest.sort_values("spread").iloc[:1].reset_index().iloc[0]
-    columns = {"c": "c_N_s_per_m", "spread": "spread", "W": "W"}
-    cycles, others = (sizes[sizes["trial"] == name] for name in ("as_published", "other_steps"))
-    return {
-        "count": cycles["cycle"].nunique(),
-        "steps": others["step_s"].nunique(),
-        "spread": {name: {"min": of.min(), "max": of.max()} for name, of in spreads},
-        "other_damping": {name: best[of] for name, of in columns.items()},
-    }
-
-
-def at_a_glance(
-    evidence: Evidence, approaches: pd.DataFrame, case: Case
-) -> tuple[Damping, dict[str, list[float]], list[float]]:
-    """Return the values that `figures.numerics.glance` draws: damping, and errors of F_k at each frequency, Hz.
-
-    evidence : what the figure of the numerics draws.   approaches : the table of `comparison.approaches_table`.
-    """
-    estimates, c = evidence.estimates, case.oscillator.c
-    fits = estimates[estimates["kind"] == "least_squares"].set_index("approach")
-    damping = Damping(
-        true=c,
-        added=added_damping(case, float(evidence.exact["omega_rad_per_s"].iloc[0])),
-        rebuilt=float(fits["c_N_s_per_m"]["direct"]),
-        printed=float(evidence.printed("text.c_direct_ls")[0]),
+    cycles, others = (select(sizes, trial=name) for name in ("as_published", "other_steps"))
+    derived = rows(
+        "cycles", {"count": cycles["cycle"].nunique(), "steps": others["step_s"].nunique()}
     )
-    ways = approaches.set_index(list(comparison.WAY))["F_k_error_percent"]
-    errors = {
-        label: [float(error) for error in np.atleast_1d(ways[comparison.WAYS_TO_COMPARE[way]])]
-        for label, way in GLANCE.items()
-    }
-    return damping, errors, list(case.frequencies_hz.values())
+    for name, of in spreads:
+        derived |= rows(f"instants.{name}", {"min": of.min(), "max": of.max()})
+    derived |= rows("other_damping", {"c": best["c_N_s_per_m"]}, "N s/m")
+    return derived | rows("other_damping", {name: best[name] for name in ("spread", "W")})
 
 
-def lock_in_errors(features: Features, oscillator: Oscillator, pairs: Sequence[Pair]) -> Json:
-    """Return the errors of F_k and c, %, by the Fourier balance with b = πωX_1² alone, which a lock-in amplifier gives.
+def largest_errors(numbers: pd.DataFrame) -> Rows:
+    """Return the largest errors of F_k and c with exact features at any frequency: of direct integration by pairs and
+    by least squares, of the Fourier balance by pairs."""
+    derived: Rows = {}
+    for approach, kinds in {
+        "direct": ("largest", "least_squares"),
+        "fourier": ("largest",),
+    }.items():
+        errors = select(numbers, approach=approach, unit="%")
+        sizes = errors[errors["kind"].isin(kinds)].set_index("quantity")["exact"].abs()
+        derived |= rows(f"largest.{approach}", {term: sizes[term].max() for term in TERMS}, "%")
+    return derived
 
-    pair : size of the largest error of all pairs.   least_squares : error with its sign.
+
+def lock_in_errors(
+    frequency: str, features: Features, osc: Oscillator, pairs: Sequence[Pair]
+) -> Rows:
+    """Return the errors of F_k and c by the Fourier balance with b = πωX_1² alone, which a lock-in amplifier gives.
+
+    largest : size of the largest error of all pairs.   least_squares : error with its sign.
     """
-    table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), oscillator.k, pairs)
-    rows = table[table["approach"] == "fourier"]
-    pair, fit = (rows[rows["kind"] == kind] for kind in ("pair", "least_squares"))
-    errors = comparison.relative_errors(fit, oscillator).items()
+    table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), osc.k, pairs)
+    errors = of_routes.of_errors(of_routes.of_estimates(frequency, table), osc)
     return {
-        "pair": comparison.largest_errors(pair, oscillator),
-        "least_squares": {name: float(error.iloc[0]) for name, error in errors},
+        f"error.{frequency}.{key.quantity}.{key.kind}.lock_in": (error, "%")
+        for key, error in errors.items()
+        if key.approach == "fourier" and key.quantity in TERMS
     }
 
 
-def balance_terms(features: Features, oscillator: Oscillator) -> Json:
-    """Compare the terms of the balance, as ranges over the levels, in %.
+def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
+    """Compare the terms of the balance at a frequency, from the lowest level (first) to the highest (last), in %.
 
-    friction_share : a F_k / W.   sine : sin φ with φ of the reversal, not in %.
-    phase_spread : (largest − smallest sin φ)/mean, with φ of the reversal and of the fundamental.
+    share : a F_k / W.   sine : sin φ with φ of the reversal, not in %.
+    spread : (largest − smallest sin φ)/mean, with φ of the reversal and of the fundamental.
     W_common, W_individual : error of W = πkYX sin φ with the mean φ and with each level's φ of the reversal.
-    W_fundamental : size of the error of πkYX_1 sin φ_1, which is rounding.   b_harmonic : error of πωX².
-    b_first, b_fifth : error of πωΣn²X_n² up to n = 1, 5.   third : X_3/X_1.
+    b_fifth : error of πωΣn²X_n² up to n = 5, its largest size and the last one.   third : the largest X_3/X_1.
     """
-    work = np.pi * oscillator.k * features.Y
     W, b = features.W, features.b
-    phases = {"reversal": features.phi_reversal, "fundamental": features.phi_fundamental}
-    sines = {name: np.sin(phase) for name, phase in phases.items()}
-    common = np.sin(np.mean(features.phi_reversal))
+    work = np.pi * osc.k * features.Y * features.X
+    sine = np.sin(features.phi_reversal)
+    sines = {"reversal": sine, "fundamental": np.sin(features.phi_fundamental)}
     harmonics = {1: features.X_1, 3: features.X_3, 5: features.X_5}
-    terms = {
-        "friction_share": features.a * oscillator.F_k / W,
-        "W_common": work * features.X * common / W - 1.0,
-        "W_individual": work * features.X * sines["reversal"] / W - 1.0,
-        "W_fundamental": np.abs(work * features.X_1 * sines["fundamental"] / W - 1.0),
-        "b_harmonic": np.pi * features.omega * features.X**2 / b - 1.0,
-        "b_first": viscous_integral(features.omega, {1: features.X_1}) / b - 1.0,
-        "b_fifth": viscous_integral(features.omega, harmonics) / b - 1.0,
-        "third": features.X_3 / features.X_1,
-    }
+    b_fifth = 100.0 * (viscous_integral(features.omega, harmonics) / b - 1.0)
+    spread = {name: 100.0 * (np.ptp(of) / np.mean(of)) for name, of in sines.items()}
+
+    def ends(name: str, values: np.ndarray, unit: str = "%") -> Rows:
+        return rows(f"{name}.{frequency}", {"first": values[0], "last": values[-1]}, unit)
+
     return {
-        **{name: _range(100.0 * values) for name, values in terms.items()},
-        "sine": _range(sines["reversal"]),
-        "phase_spread": {name: 100.0 * (np.ptp(of) / np.mean(of)) for name, of in sines.items()},
+        **ends("share", 100.0 * features.a * osc.F_k / W),
+        **ends("sine", sine, ""),
+        **ends("W_individual", 100.0 * (work * sine / W - 1.0)),
+        **ends("W_common", 100.0 * (work * np.sin(np.mean(features.phi_reversal)) / W - 1.0)),
+        **rows(f"spread.{frequency}", spread, "%"),
+        **rows("third", {frequency: (100.0 * features.X_3 / features.X_1).max()}, "%"),
+        **rows(f"b_fifth.{frequency}", {"size": _largest(b_fifth), "last": b_fifth[-1]}, "%"),
     }
 
 
-def _printed(claims: pd.DataFrame, name: str) -> np.ndarray:
+def of_study(study: Study, text: str, numbers: Mapping[str, Any]) -> Rows:
+    """Return what a study shows: its paragraph and the numbers in it (`paragraph`), its cases, and its axes."""
+    derived = rows(f"study.{study.name}", {"paragraph": text, **numbers})
+    derived |= rows("cases", {study.name: study.cases})
+    for axis in study.axis_names:
+        if not parameter(axis).is_word:
+            reach = dict(zip(("low", "high"), study.extent(axis), strict=True))
+            derived |= rows(f"range.{study.name}.{axis}", reach)
+    return derived
+
+
+def of_environment(
+    packages: Mapping[str, str], typesetter: str, python: str, software: Mapping[str, Any]
+) -> Rows:
+    """Return the versions of packages, of typst and of Python, and what CITATION.cff states (`manifest.software`)."""
+    stated = {name: software[name] for name in ("version", "licence")}
+    return {
+        "python": (python, ""),
+        "typesetter": (typesetter, ""),
+        **rows("package", packages),
+        **rows("software", stated),
+        **rows("author", dict(enumerate(software["authors"]))),
+        **rows("software.address", software["addresses"]),
+    }
+
+
+def _printed(numbers: pd.DataFrame, name: str) -> np.ndarray:
     """Return the printed a, b or W of Table 2, level by level."""
-    in_column = claims["id"].str.startswith(of_cell("table2", name))
-    return claims.loc[in_column, "printed"].astype(float).to_numpy()
+    texts = select(numbers, quantity=name, kind="level")["printed"]
+    return texts[texts != ""].astype(float).to_numpy()
 
 
-def _range(values: Any) -> Json:
-    """Return the smallest and largest value, those of the first and the last level, and the largest size."""
-    numbers = np.asarray(values)
-    return {
-        "min": numbers.min(),
-        "max": numbers.max(),
-        "first": numbers[0],
-        "last": numbers[-1],
-        "size": np.abs(numbers).max(),
-    }
+def _largest(values: np.ndarray) -> float:
+    return float(np.abs(values).max())

@@ -30,8 +30,9 @@ from ...project.case import Case
 from ...project.documents import read_yaml
 from ...project.wording import minus, number_text, percent, signed_percent, unit_text
 from ...replication.claims import verdicts as judged
-from ...replication.comparison import WAY, mends, off_resonance
-from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, claim_of
+from ...replication.comparison import WAY, approaches_table, mends, off_resonance
+from ...replication.numbers import Numbers
+from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, paper_tables
 from ...studies.study_file import Study
 from .. import words
 from ..colours import css_variables
@@ -57,22 +58,20 @@ class PageContent:
     """Content of the page.
 
     case : as configured.   config : the merged configuration, to be listed.
+    numbers : of all routes, with what is printed, if anything is (`numbers.with_claims`).
     claims : `claims.csv` as text, or None for a case with nothing printed.
-    tables : frequency → name → frame of `rebuilt_tables.COLUMNS`.   approaches : tables/approaches.csv.
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
-    evidence : `derived_numbers`, which the article argues with.   shown : study → its numbers and its paragraph, as
-    the article has them.   studies : (study, its figure as SVG).   study_folder : where their results stand.
+    derived : id → value of derived.csv as text, {} for a case with nothing printed.
+    studies : (study, its figure as SVG).   study_folder : where their results stand.
     """
 
     case: Case
     config: Mapping[str, Any]
+    numbers: Numbers
     claims: pd.DataFrame | None
-    tables: Mapping[str, Mapping[str, pd.DataFrame]]
-    approaches: pd.DataFrame
     figures: Mapping[str, str]
-    evidence: Mapping[str, Any] | None = None
-    shown: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    derived: Mapping[str, str] = field(default_factory=dict)
     studies: Sequence[tuple[Study, str]] = ()
     study_folder: str = "results/studies"
 
@@ -88,18 +87,16 @@ def report_page(content: PageContent, page: str) -> str:
 
     Warns where it is larger than LARGEST_PAGE.
     """
-    case, frequencies, approaches = content.case, content.case.frequencies_hz, content.approaches
+    case, frequencies, numbers = content.case, content.case.frequencies_hz, content.numbers
+    approaches = approaches_table(numbers, frequencies)
     printed = (
         pd.DataFrame() if content.claims is None else content.claims.set_index("id", drop=False)
     )
     claims = printed.to_dict("index")
     counted = judged.counts(printed) if claims else []
     tables = (
-        [
-            (TITLES[name], list(_parts(table, name, {} if n else claims)))
-            for name, table in of.items()
-        ]
-        for n, of in enumerate(map(content.tables.__getitem__, frequencies))
+        [(TITLES[n], list(_parts(table, claims))) for n, table in paper_tables(numbers, of).items()]
+        for of in frequencies
     )
     figures = {name: _figure(f"drawing-{name}", svg) for name, svg in content.figures.items()}
     studies = {study.name: _study(content, study, svg) for study, svg in content.studies}
@@ -127,8 +124,7 @@ def report_page(content: PageContent, page: str) -> str:
         studies=studies,
         origins=ORIGINS,
         configuration=wording.dotted(content.config),
-        evidence=content.evidence,
-        numbers={name: of["numbers"] for name, of in content.shown.items()},
+        derived=content.derived,
         css_variables=css_variables,
         style="".join(map(_static, STYLES)),
         script="\n".join(map(_static, SCRIPTS)),
@@ -147,7 +143,7 @@ def report_page(content: PageContent, page: str) -> str:
 
 
 def _parts(
-    table: pd.DataFrame, name: str, claims: Mapping[Any, Mapping[Any, Any]]
+    table: pd.DataFrame, claims: Mapping[Any, Mapping[Any, Any]]
 ) -> Iterator[dict[str, Any]]:
     """Yield a table as the paper lays it out, in parts whose rows share their quantities.
 
@@ -155,30 +151,24 @@ def _parts(
     groups : a row's label and its lines, (route, cells) each, the printed one first where there is one; a cell is its
     text, and for a printed number the verdict and the claim that gives the reason.
 
-    table : a frame of `rebuilt_tables.COLUMNS`, `printed` as text.   name : table1, table2, table3 or statistics.
+    table : of `rebuilt_tables.paper_tables`.
     claims : id → row of the table of claims, from which the cells take their digits on the way, {} for none.
     """
-    places = {row: place for place, row in enumerate(dict.fromkeys(table["row"]), start=1)}
+
+    def text(cell: Mapping[Any, Any], route: str) -> str:
+        return _typeset(claims.get(cell["id"], {}).get(route) or number_text(cell[route]))
+
     for quantities, block in blocks(table):
         groups = []
         for label, rows in block.groupby("row", sort=False):
-            cells = {
-                claim_of(name, str(label), places[label], str(cell["quantity"])): cell
-                for cell in rows.to_dict("records")
-            }
+            cells = rows.to_dict("records")
             printed = [
-                (_typeset(text), judged.VERDICTS[cell["verdict"]] if text else None, claim)
-                for claim, cell in cells.items()
-                for text in [cell["printed"]]
+                (_typeset(c["printed"]), judged.VERDICTS.get(c["verdict"]), c["id"]) for c in cells
             ]
-            lines = [("printed", printed)] if any(text for text, *_ in printed) else []
+            lines = [("printed", printed)] if any(of for of, *_ in printed) else []
             for route in SHOWN_ROUTES:
-                texts = (
-                    claims.get(claim, {}).get(route, "") or number_text(float(cell[route]))
-                    for claim, cell in cells.items()
-                )
                 lines.append(
-                    (judged.ROUTE_NAMES[route], [(_typeset(text), None, "") for text in texts])
+                    (judged.ROUTE_NAMES[route], [(text(c, route), None, "") for c in cells])
                 )
             groups.append((label, lines))
         columns = list(zip(quantities, map(unit_text, block["unit"]), strict=False))
@@ -188,7 +178,7 @@ def _parts(
 def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
     """Return the figure of a study, with what it shows: in its first sentence, and in more."""
     name = study.name.replace("_", "-")
-    first, _, more = content.shown[study.name]["paragraph"].partition(". ")
+    first, _, more = content.derived[f"study.{study.name}.paragraph"].partition(". ")
     cases = f"{content.study_folder}/{study.name}/cases.parquet"
     files = (cases, f"config/studies/{study.name}.yaml")
     return {
@@ -230,8 +220,8 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
         "approach": lambda key: words.rich_markup(label_of(key)),
-        "bound": lambda error: f"{wording.power_of_ten(error)} %",
-        "significant": number_text,
+        "bound": lambda error: f"{wording.power_of_ten(float(error))} %",
+        "significant": lambda value, digits: number_text(float(value), digits),
         "unit": unit_text,
         "part": lambda claim: judged.PARTS_OF_THE_PAPER[judged.part_of(claim)],
         "error": _error,

@@ -28,21 +28,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, Mask
-from ...balance import APPROACHES, Rows
+from ...balance import APPROACHES, TERMS, Rows
 from ...features import Features, of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..authors_route import APPROACHES_OF_TABLE_3, CORRECTED
-from ..rebuilt_tables import HARMONIC, IDENTIFIED_QUANTITIES, RESIDUAL, TABLE_1, TABLE_2
+from ..numbers import HARMONIC_APPROACHES, TABLE_1, TABLE_2
 from .judging import NumberRange
-from .print import PAIRS, Printed, Published, column_ids, printed_features
-from .verdicts import of_text, statistic
+from .print import PAIRS, Printed, Published, Row, printed_features
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
 
-_TABLES = (("table1", TABLE_1, HARMONIC), ("table2", TABLE_2, ("direct",)))
-"""Per table its columns and the approaches whose least squares start from them."""
+_TABLES = ((TABLE_1, HARMONIC_APPROACHES), (TABLE_2, ("direct",)))
+"""Columns of Tables 1 and 2, and the approaches whose least squares start from them."""
 
 _OTHER_DIGITS = [sign * step for step in range(1, 10) for sign in (1, -1)]
 
@@ -53,23 +52,19 @@ def refuted(published: Published, case: Case) -> dict[str, str]:
     Only ω, k and the equations come from outside the print.
     """
     printed, refutations = printed_features(published, case.omega("omega1")), {}
-    for table, quantities, approaches in _TABLES:
+    for symbols, approaches in _TABLES:
         if _restored(printed, published, case, approaches).all():
             continue
-        cells = [
-            (q.symbol, level, cell)
-            for q in quantities
-            for level, cell in enumerate(column_ids(table, q.symbol))
-        ]
-        others = [published[cell].moved(step) for *_, cell in cells for step in _OTHER_DIGITS]
+        cells = [row for symbol in symbols for row in published.column(symbol)]
+        others = [row.number.moved(step) for row in cells for step in _OTHER_DIGITS]
         features = printed[:, None][:, np.zeros(len(others), dtype=np.int64)]  # a case each
-        many = {q.symbol: getattr(features, q.symbol).copy() for q in quantities}
-        for place, (symbol, level, _) in enumerate(cells):
+        many = {symbol: getattr(features, symbol).copy() for symbol in symbols}
+        for place, row in enumerate(cells):
             part = slice(place * len(_OTHER_DIGITS), (place + 1) * len(_OTHER_DIGITS))
-            many[symbol][level, part] = [float(other) for other in others[part]]
+            many[row.quantity][int(row.line) - 1, part] = [float(other) for other in others[part]]
         restored = _restored(features.replaced(**many), published, case, approaches)
         for place in reversed(np.flatnonzero(restored)):  # the first of a cell comes last
-            refutations[cells[place // len(_OTHER_DIGITS)][-1]] = (
+            refutations[cells[place // len(_OTHER_DIGITS)].id] = (
                 f"The printed least squares follow from {others[place]} here, not from the printed number."
             )
     return refutations
@@ -88,13 +83,10 @@ def _restored(
     restored = np.ones(features.Y.shape[1:], dtype=np.bool_)
     for approach in approaches:
         estimate = solve(APPROACHES[approach](features, case.oscillator.k))
-        for symbol, value in {**estimate.values, RESIDUAL.symbol: estimate.residual}.items():
-            number = published[of_text(statistic(symbol, approach, "least_squares"))]
-            restored &= agrees(value, number)
+        for symbol, value in {**estimate.values, "residual": estimate.residual}.items():
+            (row,) = published.column(symbol, "least_squares", approach)
+            restored &= agrees(value, row.number)
     return restored
-
-
-_ESTIMATES = tuple(q.symbol for q in IDENTIFIED_QUANTITIES)
 
 
 def by_table_2(published: Published) -> dict[str, NumberRange | None]:
@@ -102,17 +94,20 @@ def by_table_2(published: Published) -> dict[str, NumberRange | None]:
 
     None: no value agrees with all other printed numbers.
     """
-    inputs, estimates = (
-        [claim for symbol in symbols for claim in column_ids("table2", symbol)]
-        for symbols in ([q.symbol for q in TABLE_2], _ESTIMATES)
-    )
+    inputs = [row for symbol in TABLE_2 for row in published.column(symbol)]
+    estimates = _pairs(published, "direct")
 
     def of_inputs(values: Array) -> Array:
         a, b, W = values.reshape(3, -1, values.shape[1])
         return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
 
-    table = _Table(published, inputs, estimates, of_inputs)
-    return table.ranges([*column_ids("table2", "b"), *estimates])
+    table = _Table(inputs, estimates, of_inputs)
+    return table.ranges(row.id for row in (*published.column("b"), *estimates))
+
+
+def _pairs(published: Published, approach: str) -> list[Row]:
+    """Return the printed F_k of all pairs, then c of all pairs, by an approach."""
+    return [row for symbol in TERMS for row in published.column(symbol, "pair", approach)]
 
 
 def by_table_3(published: Published, case: Case) -> dict[str, NumberRange | None]:
@@ -135,22 +130,17 @@ def misfits(published: Published, case: Case) -> dict[str, float]:
     return {name: _table_3(published, case, rows).misfit for name, rows in ways.items()}
 
 
-_AS_COMPUTED = {name: name for name in HARMONIC}
+_AS_COMPUTED = {name: name for name in HARMONIC_APPROACHES}
 """The columns of Table 3 and the rows behind them, of APPROACHES_OF_TABLE_3."""
 
 
 def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Table:
     """Return some columns of Table 3 with their inputs.   rows : behind each column, as _AS_COMPUTED."""
     read = ("X", "X_s", "V_s")
-    inputs = [claim for symbol in read for claim in column_ids("table1", symbol)]
-    inputs += [of_text("phi_mean"), of_text("t_s_mean")]
-    estimates = [
-        claim
-        for column in rows
-        for symbol in _ESTIMATES
-        for claim in column_ids("table3", symbol, column)
-    ]
-    Y, omega = published.column("table1", "Y")[:, None], case.omega("omega1")
+    inputs = [row for symbol in read for row in published.column(symbol)]
+    inputs += [row for symbol in ("phi", "t_s") for row in published.column(symbol, "mean")]
+    estimates = [row for column in rows for row in _pairs(published, column)]
+    Y, omega = published.values("Y")[:, None], case.omega("omega1")
 
     def of_inputs(values: Array) -> Array:
         numbers = dict(zip(read, values[:-2].reshape(3, len(Y), -1), strict=True))
@@ -160,13 +150,13 @@ def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Tabl
         systems = (APPROACHES_OF_TABLE_3[row](features, case.oscillator.k) for row in rows.values())
         return np.vstack([values, *map(_estimates, systems)])
 
-    return _Table(published, inputs, estimates, of_inputs)
+    return _Table(inputs, estimates, of_inputs)
 
 
 def _estimates(rows: Rows) -> Array:
     """Return F_k of all pairs, then c of all pairs, a column per set of inputs.   rows : shape (levels, sets)."""
     estimate = solve(rows[np.transpose(PAIRS)])
-    return np.vstack([estimate[symbol] for symbol in _ESTIMATES])
+    return np.vstack([estimate[symbol] for symbol in TERMS])
 
 
 class _Table:
@@ -177,16 +167,12 @@ class _Table:
     """
 
     def __init__(
-        self,
-        published: Published,
-        inputs: list[str],
-        estimates: list[str],
-        of_inputs: Callable[[Array], Array],
+        self, inputs: list[Row], estimates: list[Row], of_inputs: Callable[[Array], Array]
     ) -> None:
-        """From their ids and the function from m sets of inputs, shape (inputs, m), to all numbers."""
-        self.ids, self.inputs, self._of_inputs = inputs + estimates, len(inputs), of_inputs
-        numbers = [(published[i].value, published[i].unit) for i in self.ids]
-        self._value, self._unit = np.array(numbers).T
+        """From what is printed and the function from m sets of inputs, shape (inputs, m), to all numbers."""
+        rows = inputs + estimates
+        self.ids, self.inputs, self._of_inputs = [row.id for row in rows], len(inputs), of_inputs
+        self._value, self._unit = np.array([(r.number.value, r.number.unit) for r in rows]).T
         at, unit = self._value[: self.inputs], self._unit[: self.inputs]
         self.off, self.slopes = self._linear(at)
         for _ in range(2):  # steps that bring the worst number closer to print

@@ -5,9 +5,9 @@ Everything is counted from the table of claims and from the configuration.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,12 +16,12 @@ import pandas as pd
 from ...features import Features
 from ...project.case import Case
 from ..authors_route import CORRECTED, estimates
+from ..numbers import Numbers, features_of, of_estimates
 from ..read_out import ReadOut
-from ..rebuilt_tables import HARMONIC, IDENTIFIED_QUANTITIES, RouteTables
 from .judging import HALF
-from .print import PAIR_LABELS, PAIRS, Printed
+from .print import PAIRS, Printed
 from .table import SEPARATOR
-from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, ClaimId, of_cell
+from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, part_of
 
 CLOSE_UNITS = 5.0
 """Units of the last digit within which a number agrees in all digits but the last: ten last digits lie that close."""
@@ -42,11 +42,7 @@ def chance(claims: pd.DataFrame) -> dict[str, float]:
     units = exact["printed"].map(lambda text: Printed(text).unit)
     off = ((exact["exact"].astype(float) - exact["printed"].astype(float)) / units).abs()
     close = int((off < CLOSE_UNITS).sum())
-    return {
-        "close": close,
-        "expected": BY_CHANCE * close,
-        "observed": int((off <= HALF).sum()),
-    }
+    return {"close": close, "expected": BY_CHANCE * close, "observed": int((off <= HALF).sum())}
 
 
 def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
@@ -56,8 +52,8 @@ def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
     """
     computed, exact = claims["kind"] == "computed", ROUTE_NAMES["exact"]
     missed = computed & ~claims["agrees"].str.startswith(exact)
-    columns = claims["id"].map(lambda claim: ClaimId(claim).column)
-    return computed & ((claims["judged"] != exact) | missed.groupby(columns).transform("any"))
+    of_column = missed.groupby(claims["quantity"])
+    return computed & ((claims["judged"] != exact) | of_column.transform("any"))
 
 
 def by_route(claims: pd.DataFrame) -> dict[str, int]:
@@ -86,7 +82,7 @@ def by_route(claims: pd.DataFrame) -> dict[str, int]:
         "simulation_reproduced": simulation & (rows["verdict"] == REPRODUCED.name),
         "print": printed & judged["from_print"],
         "print_elsewhere": printed & ~judged["from_print"] & ~agrees["exact"],
-        "table_3_from_table_1": agrees["from_print"] & rows["id"].str.startswith("table3"),
+        "table_3_from_table_1": agrees["from_print"] & (rows["id"].map(part_of) == "table3"),
     }
     return {name: int(rows_of.sum()) for name, rows_of in counted.items()}
 
@@ -114,9 +110,7 @@ def free_choices(case: Case) -> dict[str, dict[str, Any]]:
     return {"continuous": {"step_s": numerics.step_s}, "discrete": discrete}
 
 
-def inputs_of_table_3(
-    case: Case, exact: pd.DataFrame, unrounded: pd.DataFrame, claims: pd.DataFrame
-) -> dict[str, Any]:
+def inputs_of_table_3(case: Case, numbers: Numbers) -> dict[str, Any]:
     """Move each input behind Table 3 by its smallest step and count the printed numbers that are then missed.
 
     moved : input → numbers missed with the input one step less and one step more, or with the other sign.
@@ -125,29 +119,33 @@ def inputs_of_table_3(
     given_by_exact_X : those given with X read off the exact solution by the same rule.
     missed_by_printed_V_s : those missed with V_s as Table 1 prints it, in place of all digits.
 
-    exact, unrounded : features of both routes at the first frequency, the latter before they are read.
-    claims : claims.csv as text.
+    numbers : with what is printed (`numbers.with_claims`).
     """
-    rules = ReadOut.from_config(case.numerics.two_point)
-    read = rules.common(Features.from_frame(unrounded))
-    printed = claims[claims["id"].str.startswith("table3.")].set_index("id")["printed"]
+    rules, omega = ReadOut.from_config(case.numerics.two_point), case.omega("omega1")
+    exact, unrounded = (
+        features_of(numbers, route, "omega1", omega) for route in ("exact", "unrounded")
+    )
+    read = rules.common(unrounded)
+    printed = {key: Printed(row["printed"]) for key, row in numbers.items() if row["printed"]}
+    table_3 = {
+        key: n for key, n in printed.items() if (key.kind, key.sharing) == ("pair", "common")
+    }
 
     def given(features: Features, minus: bool = False) -> int:
         """Return how many numbers of Table 3 the features give."""
-        table = estimates(features, features, replace(case, pairs=PAIRS))
-        route, count = RouteTables({}, {"omega1": table}), 0
-        for approach, q, pair in product(HARMONIC, IDENTIFIED_QUANTITIES, PAIR_LABELS):
-            row = CORRECTED if minus and approach == "V_s" else approach
-            value = route.estimate(q.column, row, pair=pair)
-            number = Printed(printed[of_cell("table3", q.symbol, pair, approach)])
-            count += bool(abs(value - number.value) <= HALF * number.unit)
+        table = of_estimates("omega1", estimates(features, features, replace(case, pairs=PAIRS)))
+        count = 0
+        for key, of_print in table_3.items():
+            row = CORRECTED if minus and key.approach == "V_s" else key.approach
+            value = table.get(key._replace(approach=row), math.nan)
+            count += bool(abs(value - of_print.value) <= HALF * of_print.unit)
         return count
 
     def with_X(X: np.ndarray) -> Features:
         return read.replaced(X=X, X_s=read.X_s - (X - read.X))
 
     def missed(*moved: Features) -> list[int]:
-        return [len(printed) - given(features) for features in moved]
+        return [len(table_3) - given(features) for features in moved]
 
     def unit(decimals: int | None, usual: int) -> float:
         return 10.0 ** -(usual if decimals is None else decimals)
@@ -165,15 +163,13 @@ def inputs_of_table_3(
     for name, (field, step) in steps.items():
         values = (getattr(read, field) + sign * step for sign in (-1.0, 1.0))
         moved[name] = missed(*(read.replaced(**{field: value}) for value in values))
-    moved["sign"] = [len(printed) - given(read, minus=True)]
-    V_s = [
-        float(claims.set_index("id")["printed"][f"table1.V_s.{n + 1}"]) for n in range(len(read))
-    ]
+    moved["sign"] = [len(table_3) - given(read, minus=True)]
+    V_s = [n.value for key, n in printed.items() if (key.quantity, key.kind) == ("V_s", "level")]
     return {
         "inputs": len(moved),
         "moved": moved,
         "moved_X": [end(end(moved[f"X_{n + 1}"]) for n in range(len(read))) for end in (min, max)],
         "given": given(read),
-        "given_by_exact_X": given(with_X(rules.apply(Features.from_frame(exact)).X)),
+        "given_by_exact_X": given(with_X(rules.apply(exact).X)),
         "missed_by_printed_V_s": missed(read.replaced(V_s=np.array(V_s)))[0],
     }

@@ -15,6 +15,8 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
+from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,20 +24,19 @@ import numpy as np
 import pandas as pd
 
 from ...arrays import Array
+from ...balance import TERMS
 from ...estimates import estimate_table
-from ...features import FEATURE_COLUMNS, Features, of_numbers
+from ...features import Features, of_numbers
 from ...project.case import Case
 from ...project.wording import cut
 from ...solver import Pair, pair_label
-from ..rebuilt_tables import (
-    HARMONIC,
-    IDENTIFIED_QUANTITIES,
+from ..numbers import (
     PRINTED_APPROACHES,
-    TABLE_1,
-    TABLE_2,
-    RouteTables,
+    Key,
+    of_errors,
+    of_estimates,
+    of_features,
 )
-from .verdicts import ClaimId, of_cell, of_text
 
 LONGEST = 25
 """Characters of a number at most."""
@@ -129,22 +130,30 @@ _MOST_BYTES = 1_000_000  # the longest table, claims.csv, has 40 kB
 class Row(NamedTuple):
     """A printed number: the columns of `paper/published/printed.csv`, each as the text that it is.
 
-    id : as in claims.csv.
-    where : the place in the paper.
-    symbol : what the number is a value of, or what the statement is about.
-    approach : by which an estimate was obtained; "" for anything else.
-    kind, rule : of KINDS and of `rules.RULES`: what judges the number.
+    id : as in claims.csv.   where : the place in the paper.
+    frequency … unit : its `Key`.   words : what it is, in words.
+    claim, rule : of KINDS and of `rules.RULES`: what judges the number.
     """
 
-    id: ClaimId
+    id: str
     where: str
-    symbol: str
-    approach: str
+    frequency: str
     quantity: str
-    unit: str
-    printed: str
+    approach: str
     kind: str
+    phase: str
+    sharing: str
+    line: str
+    unit: str
+    words: str
+    printed: str
+    claim: str
     rule: str
+
+    @property
+    def key(self) -> Key:
+        """What the number is."""
+        return Key(*(getattr(self, name) for name in Key._fields))
 
     @property
     def number(self) -> Printed:
@@ -152,7 +161,7 @@ class Row(NamedTuple):
         return Printed(self.printed)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Published:
     """All printed numbers, by their ids, in the order of the file, which is that of claims.csv."""
 
@@ -162,21 +171,30 @@ class Published:
         """Return a printed number by its id."""
         return self.rows[claim].number
 
-    def column(self, table: str, symbol: str, approach: str = "") -> Array:
-        """Return the numbers of a column of a table, from its first line to its last; arguments as in `column_ids`."""
-        return np.array([self[claim].value for claim in column_ids(table, symbol, approach)])
+    @cached_property
+    def by_key(self) -> dict[Key, Row]:
+        """The printed numbers by what they are; of one that is printed in several places, the first."""
+        return {row.key: row for row in reversed([*self.rows.values()])}
+
+    @cached_property
+    def ids(self) -> dict[Key, str]:
+        """The ids of the printed numbers by what they are."""
+        return {key: row.id for key, row in self.by_key.items()}
+
+    def column(self, quantity: str, kind: str = "level", approach: str = "") -> list[Row]:
+        """Return what is printed of a quantity: a column of a table, in the order of its lines, or a single number."""
+        of_column = (quantity, approach, kind)
+        rows = (row for row in self.rows.values() if self.ids[row.key] == row.id)
+        return [row for row in rows if (row.quantity, row.approach, row.kind) == of_column]
+
+    def values(self, quantity: str, kind: str = "level", approach: str = "") -> Array:
+        """Return the numbers of a `column`."""
+        return np.array([row.number.value for row in self.column(quantity, kind, approach)])
 
     def changed(self, texts: Mapping[str, str]) -> Published:
         """Return these printed numbers with other texts for some of them, by id."""
         rows = {claim: self.rows[claim]._replace(printed=text) for claim, text in texts.items()}
         return Published({**self.rows, **rows})
-
-
-def column_ids(table: str, symbol: str, approach: str = "") -> list[str]:
-    """Return the ids of a column of Tables 1 to 3, from its first line to its last.   approach : for Table 3 only."""
-    pairwise = symbol in {q.symbol for q in IDENTIFIED_QUANTITIES}
-    lines = PAIR_LABELS if pairwise else range(1, LEVELS + 1)
-    return [of_cell(table, symbol, line, approach) for line in lines]
 
 
 def read_published(folder: Path) -> Published:
@@ -185,12 +203,12 @@ def read_published(folder: Path) -> Published:
     Raises ValueError naming file and column when a cell is blank.
     """
     frame = read_texts(folder / FILE, Row._fields)
-    for column in ("id", "where", "quantity", "printed", "kind", "rule"):
+    for column in ("id", "where", "quantity", "words", "printed", "claim", "rule"):
         if (frame[column].str.strip() == "").any():
             raise ValueError(
                 f"{FILE}: column {column} has an empty cell; every printed number needs its digits, place and rule"
             )
-    return Published({name: Row(ClaimId(name), *cells) for name, *cells in frame.to_numpy()})
+    return Published({row.id: row for row in map(Row._make, frame.to_numpy())})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
@@ -224,34 +242,28 @@ def printed_features(published: Published, omega: float) -> Features:
 
     omega : drive frequency, rad/s.
     """
-    printed = {"Y_m": published.column("table1", "Y")}
-    for table, quantities in (("table1", TABLE_1), ("table2", TABLE_2)):
-        printed |= {q.column: published.column(table, q.symbol) for q in quantities}
-    missing = np.full(LEVELS, np.nan)
-    features = {name: printed.get(column, missing) for name, column in FEATURE_COLUMNS.items()}
-    return of_numbers(omega, "as printed", **features)
+    levels = {row.quantity for row in published.rows.values() if row.kind == "level"}
+    return of_numbers(omega, "as printed", **{name: published.values(name) for name in levels})
 
 
-def from_print(published: Published, case: Case) -> RouteTables:
-    """Return estimates at ω1 from the printed features, pair-wise with φ = 1.542 and t_s = 2.1 ms of the text.
+def from_print(published: Published, case: Case) -> dict[Key, float]:
+    """Return the numbers at ω1 that follow from the printed ones: estimates, and what sums up features and pairs.
 
-    Only ω, k and the pairs come from outside the print.
+    Estimates come from the printed features, pair-wise with φ = 1.542 and t_s = 2.1 ms of the text; mean, deviation and
+    errors of the pairs from the pairs that Tables 2 and 3 print. Only ω, k, the pairs and the true values come from
+    outside the print.
     """
     features = printed_features(published, case.omega("omega1"))
-    stated = {name: published[of_text(f"{name}_mean")].value for name in ("phi", "t_s")}
+    stated = {name: published.values(name, "mean")[0] for name in ("phi", "t_s")}
     common, k = features.replaced(**stated), case.oscillator.k
     estimates = estimate_table(features, k, PAIRS, common=common, approaches=PRINTED_APPROACHES)
-    return RouteTables({"omega1": features.to_frame()}, {"omega1": estimates})
-
-
-def printed_estimates(published: Published) -> RouteTables:
-    """Return the printed pairs of Tables 2 and 3 as a table of estimates."""
-    frames = []
-    for name in PRINTED_APPROACHES:
-        table, phase = ("table3", "common") if name in HARMONIC else ("table2", "individual")
-        approach = name if name in HARMONIC else ""
-        pairs = {
-            q.column: published.column(table, q.symbol, approach) for q in IDENTIFIED_QUANTITIES
-        }
-        frames.append(pd.DataFrame(pairs).assign(approach=name, kind="pair", phase=phase))
-    return RouteTables({}, {"omega1": pd.concat(frames)})
+    means = of_features("omega1", features.to_frame())
+    numbers = {key: mean for key, mean in means.items() if key.kind == "mean"}
+    numbers |= of_estimates("omega1", estimates)
+    for symbol, name in product(TERMS, PRINTED_APPROACHES):
+        first, *_ = published.column(symbol, "pair", name)
+        pairs, moment = published.values(symbol, "pair", name), first.key._replace(line="all")
+        numbers[moment._replace(kind="mean")] = float(pairs.mean())
+        numbers[moment._replace(kind="std")] = float(pairs.std(ddof=1))
+    printed = {row.key: row.number.value for row in published.rows.values() if row.kind == "pair"}
+    return numbers | of_errors(printed, case.oscillator)

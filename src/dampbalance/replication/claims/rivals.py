@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ...features import Features
 from ...project.case import Case
 from ...project.files import read_csv
 from ..authors_route import scheme_table, trial_table
@@ -20,7 +21,7 @@ _SAME = 1e-9  # relative; another processor changes a and W by up to 5e-14
 
 
 def rivals(
-    folder: Path, case: Case, frequency: str, rebuilt: pd.DataFrame
+    folder: Path, case: Case, frequency: str, rebuilt: Features
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Return `scheme_table` and `trial_table`: as recorded in a folder, or simulated where the records are of another
     case.
@@ -29,9 +30,9 @@ def rivals(
     """
     schemes, cycles = (read_csv(folder / name) for name in FILES)
     own = cycles[(cycles["trial"] == "as_published") & (cycles["cycle"] == 0)]
-    columns = ["c_N_s_per_m", "a_m", "W_J"]
-    here = rebuilt.assign(c_N_s_per_m=case.oscillator.c)[columns].to_numpy()
-    recorded = own[columns].to_numpy()
+    recorded = own[["c_N_s_per_m", "a_m", "W_J"]].to_numpy()
+    c = np.full_like(rebuilt.a, case.oscillator.c)
+    here = np.column_stack([c, rebuilt.a, rebuilt.W])
     if recorded.shape == here.shape and np.allclose(recorded, here, rtol=_SAME, atol=0.0):
         return schemes, cycles
     return scheme_table(case, frequency), trial_table(case, frequency)

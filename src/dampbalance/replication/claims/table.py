@@ -10,9 +10,10 @@ from pathlib import Path
 import pandas as pd
 
 from ...project.wording import in_markdown, markdown_table
+from .causes import Sources
 from .judging import explanation, verdict
 from .print import read_texts
-from .rules import Sources, check_printed, claims, require_paper
+from .rules import check_printed, claims, require_paper
 from .verdicts import HOLDING, KINDS, PARTS_OF_THE_PAPER, ROUTE_NAMES, VERDICTS, counts, part_of
 
 CLAIM_COLUMNS = (
@@ -39,11 +40,15 @@ def claims_table(sources: Sources) -> pd.DataFrame:
     check_printed(sources.published)
     records = []
     for claim in claims(sources, sources.published.rows.values()):
-        row = claim.row._asdict() | {route: claim.show(route) for route in ROUTE_NAMES}
+        printed = claim.row
+        unit = printed.unit if printed.number.is_number else ""
+        row = {"id": printed.id, "where": printed.where, "quantity": printed.words, "unit": unit}
+        row |= {"printed": printed.printed, "kind": printed.claim}
+        row |= {route: claim.show(route) for route in ROUTE_NAMES}
         row |= {"verdict": verdict(claim).name, "explanation": explanation(claim)}
         row |= {"agrees": SEPARATOR.join(ROUTE_NAMES[route] for route in claim.agreeing)}
         row |= {"judged": ROUTE_NAMES[claim.route], "off_relative": "", "off_units": ""}
-        if claim.row.kind == "computed" and claim.route in claim.routes:
+        if printed.claim == "computed" and claim.route in claim.routes:
             row["off_relative"] = f"{claim.off_relative(claim.route):+.1e}"
             row["off_units"] = f"{claim.off(claim.route):+.2f}"
         records.append(row)

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
 from ...arrays import Array
 from ...balance import TERMS
@@ -19,7 +18,7 @@ from ...features import Features
 from ...project.case import Case
 from ...solver import solve
 from ..authors_route import APPROACHES_OF_TABLE_3
-from ..rebuilt_tables import HARMONIC
+from ..numbers import HARMONIC_APPROACHES
 from .print import PAIRS
 
 DRAWS = 10_000
@@ -53,14 +52,14 @@ class Drawn(NamedTuple):
 
 
 def drawn(
-    exact: pd.DataFrame,
+    exact: Features,
     case: Case,
     bound: float,
     spreads: Sequence[tuple[float, float]] = SPREADS,
 ) -> list[Drawn]:
     """Draw the largest error of F_k and c over the pairs of levels and hold it against a bound, per cent.
 
-    exact : exact features at the frequency, `Features.to_frame()`.   spreads : half widths, as SPREADS.
+    exact : exact features at the frequency.   spreads : half widths, as SPREADS.
     """
     shares = []
     for X_m, phi_rad in spreads:
@@ -88,10 +87,10 @@ def exceedances_in_words(drawn: Sequence[Drawn], bound: str) -> str:
     )
 
 
-def _largest_errors(exact: pd.DataFrame, case: Case, X_m: float, phi_rad: float) -> Array:
+def _largest_errors(exact: Features, case: Case, X_m: float, phi_rad: float) -> Array:
     """Return the largest error of F_k and c over the pairs by all harmonic approaches, per cent, a number per draw."""
     random = np.random.default_rng(SEED)
-    common = Features.from_frame(exact).with_common("phi", "t_s")
+    common = exact.with_common("phi", "t_s")
     many = common[:, None][:, np.zeros(DRAWS, dtype=np.int64)]
     moved = X_m * random.uniform(-1.0, 1.0, many.X.shape)
     read = many.replaced(
@@ -100,7 +99,7 @@ def _largest_errors(exact: pd.DataFrame, case: Case, X_m: float, phi_rad: float)
         phi=many.phi + phi_rad * random.uniform(-1.0, 1.0, DRAWS),
     )
     largest = np.zeros(DRAWS)
-    for name in HARMONIC:
+    for name in HARMONIC_APPROACHES:
         rows = APPROACHES_OF_TABLE_3[name](read, case.oscillator.k)
         estimate = solve(rows[np.transpose(PAIRS)])
         for symbol in TERMS:

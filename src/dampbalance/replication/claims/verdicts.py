@@ -1,6 +1,6 @@
-"""The ids of claims, the verdicts on them, best first, and how many earn each.
+"""The verdicts on printed numbers, best first, and how many earn each.
 
-An id, such as table2.F_k.1-5 or text.c_Xs_ls, stands for one printed number. The routes by which a printed number is
+The routes by which a printed number is
 computed have their names here, too: the reasons for a verdict cite them.
 """
 
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 if TYPE_CHECKING:
@@ -22,9 +21,6 @@ PARTS_OF_THE_PAPER = {
     "text": "Text",
 }
 """The parts of the paper: how their ids begin → in words."""
-
-STATISTICS = {"least_squares": "ls", "mean": "mean", "std": "std"}
-"""Kinds of estimates over all levels or pairs → how the id of such a number ends."""
 
 ROUTE_NAMES = {"exact": "exact", "as_published": "as published", "from_print": "from print"}
 """Column of the table of claims → the route in words."""
@@ -130,46 +126,9 @@ def counts(claims: pd.DataFrame) -> list[Count]:
     return counted
 
 
-class ClaimId(str):
-    """The id of a printed number: a text with dots between its parts, table3.V_s.c.1-2, which it knows."""
-
-    @cached_property
-    def parts(self) -> list[str]:
-        """The table or another part of the paper, the approach where columns repeat, the symbol, and the line."""
-        return self.split(".")
-
-    @property
-    def column(self) -> str:
-        """The common start of the ids of its column."""
-        return ".".join(self.parts[:-1])
-
-    @property
-    def line(self) -> str:
-        """The line of a table in which the number stands: a level, counted from 1, or the label of a pair."""
-        return self.parts[-1]
-
-
-def of_cell(table: str, symbol: str, line: str | int = "", approach: str = "") -> ClaimId:
-    """Return the id of a cell of Tables 1 to 3, such as table3.V_s.c.1-2; without the line, how a column begins.
-
-    line : level, counted from 1, or label of a pair.   approach : in Table 3, whose columns repeat.
-    """
-    return ClaimId(".".join([table, *([approach] if approach else []), symbol, str(line)]))
-
-
-def of_text(name: str) -> ClaimId:
-    """Return the id of a number of the running text: text.phi_mean."""
-    return ClaimId(f"text.{name}")
-
-
-def statistic(symbol: str, approach: str, kind: str) -> str:
-    """Return the name of a statistic of the running text: c_Xs_ls.   kind : of STATISTICS."""
-    return f"{symbol}_{approach.replace('_', '')}_{STATISTICS[kind]}"
-
-
 def part_of(claim: str) -> str:
     """Return the part of the paper that a claim belongs to, a key of PARTS; raises KeyError where there is none."""
-    part = ClaimId(claim).parts[0]
+    part = claim.partition(".")[0]
     if part not in PARTS_OF_THE_PAPER:
         raise KeyError(
             f"{claim!r} belongs to no part of the paper; known are {', '.join(PARTS_OF_THE_PAPER)}"
