@@ -61,7 +61,9 @@ def refuted(published: Published, case: Case) -> dict[str, str]:
         many = {symbol: getattr(features, symbol).copy() for symbol in symbols}
         for place, row in enumerate(cells):
             part = slice(place * len(_OTHER_DIGITS), (place + 1) * len(_OTHER_DIGITS))
-            many[row.quantity][int(row.line) - 1, part] = [float(other) for other in others[part]]
+            many[row.key.quantity][int(row.key.line) - 1, part] = [
+                float(other) for other in others[part]
+            ]
         restored = _restored(features.replaced(**many), published, case, approaches)
         for place in reversed(np.flatnonzero(restored)):  # the first of a cell comes last
             refutations[cells[place // len(_OTHER_DIGITS)].id] = (

@@ -259,7 +259,7 @@ def _of_fifteen(joined: Joined) -> str:
 def _off_resonance(joined: Joined) -> str:
     hz, near = joined.case.frequencies_hz, joined.of(frequency="omega1")[ROUTE]
     return (
-        f"Largest error of the two-point formulas: {joined.values[ROUTE]:.1f} % at {hz[joined.row.frequency]:g} Hz, "
+        f"Largest error of the two-point formulas: {joined.values[ROUTE]:.1f} % at {hz[joined.key.frequency]:g} Hz, "
         f"{near:.1f} % at {hz['omega1']:g} Hz."
     )
 
@@ -272,7 +272,7 @@ def _direct_and_best(joined: Joined) -> str:
 def _bound_without_read_outs(joined: Joined) -> Holding:
     """Judge a bound; where unprinted read-outs leave it open, state in how many draws of them it is exceeded."""
     sources, row = joined.sources, joined.row
-    exact = sources.features("exact", row.frequency)
+    exact = sources.features("exact", row.key.frequency)
     drawn = unprinted.drawn(exact, sources.case, row.number.value)
     if not unprinted.open_to(drawn):
         return _bound(joined)
@@ -282,7 +282,7 @@ def _bound_without_read_outs(joined: Joined) -> Holding:
 
 def _largest_with_sign(joined: Joined) -> str:
     """Return the largest error of F_k at a frequency by several ways to the features, a sentence."""
-    sources, frequency = joined.sources, joined.row.frequency
+    sources, frequency = joined.sources, joined.key.frequency
     osc, exact = sources.case.oscillator, sources.features("exact", frequency)
 
     def largest(F_k: Iterable[float]) -> str:
@@ -415,9 +415,9 @@ def _problem(row: Row) -> str:
         near = rule.keys
         for column in Key._fields:
             allowed[column] = dict.fromkeys(getattr(key, column) for key in near)
-            near = [key for key in near if getattr(key, column) == getattr(row, column)]
+            near = [key for key in near if getattr(key, column) == getattr(row.key, column)]
     for column, words in allowed.items():
-        if (text := getattr(row, column)) not in words:
+        if (text := getattr(row.key if column in Key._fields else row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
     if row.rule not in COMPARISONS and not row.number.is_number:
