@@ -179,7 +179,7 @@ def _studies(project: Project) -> tuple[list[str], list[str]]:
 
 def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
     """Write derived.csv, and the article's own figures."""
-    article, names = f"{RESULTS}/article", ("numerics", "glance")
+    names = ("numerics", "glance")
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
         "numbers": f"{RESULTS}/numbers.csv",
