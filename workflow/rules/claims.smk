@@ -61,7 +61,7 @@ rule numbers:
     input:
         features=of_routes("features"),
         estimates=of_routes("estimates"),
-        unrounded=rules.features_as_published.output.unrounded,
+        unrounded=rules.response_as_published.output.unrounded,
         published=published_files if config["published"] else [],
         code=rooms("replication"),
     output:
