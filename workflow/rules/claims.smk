@@ -68,7 +68,7 @@ rule numbers:
         csv=f"{RESULTS}/numbers.csv",
     priority: FIRST
     params:
-        case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs"),
+        case=of_case("oscillator", "frequencies_hz", "pairs"),
         folder=lambda wildcards: RESULTS,
         published=PUBLISHED,
     message:

@@ -24,13 +24,13 @@ import numpy as np
 import pandas as pd
 
 from ...arrays import Array
-from ...balance import TERMS
 from ...estimates import estimate_table
 from ...features import Features, of_numbers
 from ...project.case import Case
 from ...project.wording import cut
 from ...solver import Pair, pair_label
 from ..numbers import (
+    COEFFICIENTS,
     PRINTED_APPROACHES,
     Key,
     of_errors,
@@ -250,7 +250,7 @@ def from_print(published: Published, case: Case) -> dict[Key, float]:
     means = of_features("omega1", features.to_frame())
     numbers = {key: mean for key, mean in means.items() if key.kind == "mean"}
     numbers |= of_estimates("omega1", estimates)
-    for symbol, name in product(TERMS, PRINTED_APPROACHES):
+    for symbol, name in product(COEFFICIENTS, PRINTED_APPROACHES):
         first, *_ = published.column(symbol, "pair", name)
         pairs, moment = published.values(symbol, "pair", name), first.key._replace(line="all")
         numbers[moment._replace(kind="mean")] = float(pairs.mean())
