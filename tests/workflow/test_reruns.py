@@ -307,7 +307,7 @@ ROOMS = {
     "balance": ("src/dampbalance/balance.py", "a=2.0 * (features.X - ", "a=2.01 * (features.X - "),
     "motion": ("src/dampbalance/motion/regime.py", "contact only sticks", "contact just sticks"),
     "studies": ("src/dampbalance/studies/cases.py", "counted from 0", "counted from zero"),
-    "figures": ("src/dampbalance/figures/style.py", '"#D9D9D9"', '"#D8D8D8"'),
+    "figures": ("src/dampbalance/figures/style.py", '"#E4E4E4"', '"#E3E3E3"'),
 }
 
 
