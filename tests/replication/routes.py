@@ -54,7 +54,7 @@ def claim(printed: str = "1.28", **parts) -> Claim:
     """A claim on some number. parts : values by route (exact, as_published, from_print) and fields of Claim."""
     values = {route: parts.pop(route) for route in ROUTE_NAMES if route in parts}
     key = Key(quantity="F_k", unit="N")
-    return Claim(Row("id", "where", *key, "words", printed, "computed", ""), values, **parts)
+    return Claim(Row("id", "where", key, "words", printed, "computed", ""), values, **parts)
 
 
 def with_digits_of(text: str, value: float) -> Decimal:

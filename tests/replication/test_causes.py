@@ -39,7 +39,7 @@ def joined(printed, case=CASE, column=MARKS, allowed=None, others=None, **row):
     published = SimpleNamespace(values=lambda symbol: np.array(column))
     return SimpleNamespace(
         number=Printed(printed),
-        row=SimpleNamespace(**key),
+        key=SimpleNamespace(**key),
         level=int(key["line"]),
         case=case,
         values=values,
@@ -218,4 +218,4 @@ def test_a_pair_without_a_simulated_b_has_no_other():
     simulated = of_numbers(CASE.omega("omega1"), "", Y=LEVELS, a=LEVELS, b=[math.nan] * 5, W=LEVELS)
     row = PRINT.rows["table2.c.1-2"]
     sources = SimpleNamespace(published=PRINT, as_published=simulated)
-    assert causes.other_b(SimpleNamespace(sources=sources, row=row)) == ""
+    assert causes.other_b(SimpleNamespace(sources=sources, row=row, key=row.key)) == ""

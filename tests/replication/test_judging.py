@@ -263,7 +263,7 @@ def test_what_a_simulation_gives_is_near_within_ten_units_and_a_step_in_a_period
 
 
 def row(rule: str, printed: str, quantity: str = "") -> Row:
-    return Row("name", "where", *Key(), quantity, printed, "statement", rule)
+    return Row("name", "where", Key(), quantity, printed, "statement", rule)
 
 
 @pytest.mark.parametrize(

@@ -8,14 +8,17 @@ rule numbers:
     input:
         features=of_routes("features"),
         estimates=of_routes("estimates"),
-        unrounded=rules.features_as_published.output.unrounded,
+        unrounded=expand(
+            f"{RESULTS}/features/as_published/unrounded/{{frequency}}.csv",
+            frequency=FREQUENCIES,
+        ),
         published=published_files if config["published"] else [],
         code=rooms("replication"),
     output:
         csv=f"{RESULTS}/numbers.csv",
     priority: FIRST
     params:
-        case=of_case("oscillator", "frequencies_hz", "levels_m", "pairs"),
+        case=of_case("oscillator", "frequencies_hz", "pairs"),
         folder=lambda wildcards: RESULTS,
         published=PUBLISHED,
     message:

@@ -64,6 +64,9 @@ TABLE_1 = ("X", "X_s", "V_s", "phi", "t_s")
 TABLE_2 = ("a", "b", "W")
 """The features that the paper prints, level by level."""
 
+COEFFICIENTS = ("F_k", "c")
+"""What the paper identifies; the table of numbers has every term of the balance."""
+
 HARMONIC = "harmonic"
 HARMONIC_APPROACHES = PRINTED_APPROACHES[1:]
 
@@ -150,7 +153,7 @@ def of_errors(estimates: Values, osc: Oscillator, phase: str = "") -> dict[Key, 
     for key, value in estimates.items():
         if key.quantity not in TERMS or key.kind not in ("least_squares", "pair"):
             continue
-        error = 100.0 * (value / (getattr(osc, key.quantity) or math.nan) - 1.0)
+        error = 100.0 * (value / (getattr(osc, key.quantity, 0.0) or math.nan) - 1.0)
         own = key._replace(phase=phase, unit="%")
         if key.kind == "least_squares":
             numbers[own] = error

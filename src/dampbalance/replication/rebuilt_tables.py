@@ -12,10 +12,19 @@ from collections.abc import Iterable, Iterator
 
 import pandas as pd
 
-from ..balance import TERMS, takes_phase
+from ..balance import takes_phase
 from ..project.wording import label_with_unit, markdown_table
 from .claims.verdicts import VERDICTS
-from .numbers import HARMONIC_APPROACHES, PRINTED_APPROACHES, TABLE_1, TABLE_2, UNITS, Key, Numbers
+from .numbers import (
+    COEFFICIENTS,
+    HARMONIC_APPROACHES,
+    PRINTED_APPROACHES,
+    TABLE_1,
+    TABLE_2,
+    UNITS,
+    Key,
+    Numbers,
+)
 
 COLUMNS = ("row", "quantity", "unit", "printed", "as_published", "exact", "verdict")
 SHOWN_ROUTES = ("as_published", "exact")
@@ -78,15 +87,15 @@ def paper_tables(numbers: Numbers, frequency: str) -> dict[str, pd.DataFrame]:
     def of_pairs(approaches: Iterable[str]) -> Iterator[dict[str, object]]:
         for approach in approaches:
             for label in labels:
-                yield from cells("pair", f"pair {label}", TERMS, approach, label)
+                yield from cells("pair", f"pair {label}", COEFFICIENTS, approach, label)
 
     def of_all() -> Iterator[dict[str, object]]:
         for approach in PRINTED_APPROACHES:
             yield from cells(
-                "least_squares", f"{approach}, least squares", (*TERMS, "residual"), approach
+                "least_squares", f"{approach}, least squares", (*COEFFICIENTS, "residual"), approach
             )
             for kind in ("mean", "std"):
-                yield from cells(kind, f"{approach}, {kind}", TERMS, approach)
+                yield from cells(kind, f"{approach}, {kind}", COEFFICIENTS, approach)
 
     tables = {
         "table1": of_levels(TABLE_1),

@@ -69,13 +69,18 @@ class Joined:
 
     def of(self, **other: str) -> dict[str, float]:
         """Return what each route gives for the same number, except for these fields of its key."""
-        numbers = self.sources.numbers.get(self.row.key._replace(**other), {})
+        numbers = self.sources.numbers.get(self.key._replace(**other), {})
         return {route: numbers.get(route, math.nan) for route in (*ROUTE_NAMES, "unrounded")}
 
     @property
     def case(self) -> Case:
         """The case as configured."""
         return self.sources.case
+
+    @property
+    def key(self) -> Key:
+        """What the number is."""
+        return self.row.key
 
     @property
     def number(self) -> Printed:
@@ -85,7 +90,7 @@ class Joined:
     @property
     def level(self) -> int:
         """The level of a feature, counted from 1."""
-        return int(self.row.line)
+        return int(self.key.line)
 
     @property
     def allowed(self) -> NumberRange | None:
@@ -99,7 +104,7 @@ def backward_euler(joined: Joined) -> str:
     F_k does not show it.
     """
     case, exact, simulated = joined.case, joined.values["exact"], joined.values["as_published"]
-    applies = case.numerics.scheme == "backward-euler" and joined.row.quantity != "F_k"
+    applies = case.numerics.scheme == "backward-euler" and joined.key.quantity != "F_k"
     if not applies or math.isnan(simulated) or not exact:
         return ""
     effective = effective_damping(case, case.omega("omega1"))
@@ -123,7 +128,7 @@ def implied_b(published: Published, level: int) -> tuple[str, str]:
         """Return the range of b by the pairs with this level or by the others; for each, whether it excludes print."""
         values, excluded = [], []
         for of_F_k, of_c in zip(*pairs, strict=True):
-            if (level in levels_of(of_c.line)) is not with_it:
+            if (level in levels_of(of_c.key.line)) is not with_it:
                 continue
             F_k, c = of_F_k.number, of_c.number
             values.append((W.value - a.value * F_k.value) / c.value)
@@ -149,14 +154,14 @@ def implied_b(published: Published, level: int) -> tuple[str, str]:
 def refuted(joined: Joined) -> str:
     """State that the printed least squares, or for a b the printed pairs, refute a cell of Tables 1 and 2."""
     of_cell, sources = joined.sources.refuted.get(joined.row.id, ""), joined.sources
-    if of_cell or joined.row.quantity != "b":
+    if of_cell or joined.key.quantity != "b":
         return of_cell
     return "".join(implied_b(sources.published, joined.level))
 
 
 def unbalanced(joined: Joined) -> str:
     """State that a level of the pair has a b that other pairs refute."""
-    levels, published = levels_of(joined.row.line), joined.sources.published
+    levels, published = levels_of(joined.key.line), joined.sources.published
     said = " ".join(filter(None, (implied_b(published, level)[0] for level in levels)))
     return said and f"{said} {other_b(joined)}".strip()
 
@@ -217,13 +222,13 @@ def phase(joined: Joined) -> str:
 
 def corrected(joined: Joined) -> float:
     """Return the as-published pair by the row that (19) states, without the slip of sign of the V_s columns."""
-    approach = joined.row.approach
+    approach = joined.key.approach
     return joined.of(approach=CORRECTED if approach == "V_s" else approach)["as_published"]
 
 
 def sign(joined: Joined) -> str:
     """State the slip of sign in the V_s columns of Table 3 and its proof; return "" elsewhere."""
-    correct, unit = corrected(joined), joined.row.unit
+    correct, unit = corrected(joined), joined.key.unit
     if math.isnan(correct) or joined.values["as_published"] == correct:
         return ""
     digits, misfits = 4 if unit == "N" else 3, joined.sources.misfits
@@ -237,7 +242,7 @@ def sign(joined: Joined) -> str:
 
 def starting_sample(joined: Joined) -> str:
     """State where the integral a begins."""
-    if joined.row.quantity != "a":
+    if joined.key.quantity != "a":
         return ""
     numerics = joined.case.numerics
     count = numerics.after_slip(joined.level - 1)
@@ -251,7 +256,7 @@ def starting_sample(joined: Joined) -> str:
 def other_b(joined: Joined) -> str:
     """Return the pair with the b that print needs, where a printed b is not the simulated one and that explains it."""
     row, sources = joined.row, joined.sources
-    pair = PAIRS[PAIR_LABELS.index(row.line)]
+    pair = PAIRS[PAIR_LABELS.index(row.key.line)]
     a, b, W = (getattr(sources.as_published, symbol)[list(pair)] for symbol in TABLE_2)
     if not np.all(np.isfinite([a, b, W])):
         return ""
@@ -268,7 +273,7 @@ def other_b(joined: Joined) -> str:
         )
     if not notes:
         return ""
-    value = float(least_squares(Rows({"F_k": a, "c": b}, W))[row.quantity])
+    value = float(least_squares(Rows({"F_k": a, "c": b}, W))[row.key.quantity])
     units = (value - row.number.value) / row.number.unit
     pair_is = (
         f"the as-published pair is {row.number.show(value, 2)} ({round(units, 1) + 0.0:+.1f} units)"
@@ -279,7 +284,7 @@ def other_b(joined: Joined) -> str:
 def outside(joined: Joined) -> str:
     """State that the rest of the table, within its rounding, does not allow a number."""
     allowed, number = joined.allowed, joined.number
-    half, table = 0.5 * number.unit, "Table 2" if joined.row.approach == "direct" else "Table 3"
+    half, table = 0.5 * number.unit, "Table 2" if joined.key.approach == "direct" else "Table 3"
     if allowed is None or allowed[0] - half <= number.value <= allowed[1] + half:
         return ""
     return f"The rest of {table}, within its rounding, allows {range_text(allowed, number)} only."
@@ -290,7 +295,7 @@ def printed_inputs(joined: Joined) -> str:
     shift = joined.values["from_print"] - joined.values["exact"]
     if math.isnan(shift):
         return ""
-    inputs = "Table 2's integrals" if joined.row.approach == "direct" else "Table 1's read-outs"
+    inputs = "Table 2's integrals" if joined.key.approach == "direct" else "Table 1's read-outs"
     sign = "+" if shift > 0 else "-"
     return f"{inputs}, as printed, move it by {sign}{joined.number.show(abs(shift), 0)} from exact."
 
@@ -366,13 +371,13 @@ def _rules_at_work(case: Case, exact: Features, unrounded: Features) -> Callable
     def sentence(row: Row) -> str:
         shifts = {"the simulation": unread[row.key] - of_exact[row.key]}
         for feature, (read, table) in readings.items():
-            shifts[feature.shown(read, row.line)] = table[row.key] - unread[row.key]
+            shifts[feature.shown(read, row.key.line)] = table[row.key] - unread[row.key]
         if not all(map(math.isfinite, shifts.values())):
             return ""
         first, *others = sorted(shifts, key=lambda what: -abs(shifts[what]))
         named = [first, *(what for what in others if abs(shifts[what]) >= 0.5 * row.number.unit)]
         digits = row.number.decimals + 1
-        shares = (f"{what} ({shifts[what]:+.{digits}f} {row.unit})" for what in named)
+        shares = (f"{what} ({shifts[what]:+.{digits}f} {row.key.unit})" for what in named)
         return f"Shares of its deviation from exact: {', '.join(shares)}."
 
     return sentence

@@ -28,12 +28,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Array, Mask
-from ...balance import APPROACHES, TERMS, Rows
+from ...balance import APPROACHES, Rows
 from ...features import Features, of_numbers
 from ...project.case import Case
 from ...solver import solve
 from ..authors_route import APPROACHES_OF_TABLE_3, CORRECTED
-from ..numbers import HARMONIC_APPROACHES, TABLE_1, TABLE_2
+from ..numbers import COEFFICIENTS, HARMONIC_APPROACHES, TABLE_1, TABLE_2
 from .judging import NumberRange
 from .print import PAIRS, Printed, Published, Row, printed_features
 
@@ -61,7 +61,9 @@ def refuted(published: Published, case: Case) -> dict[str, str]:
         many = {symbol: getattr(features, symbol).copy() for symbol in symbols}
         for place, row in enumerate(cells):
             part = slice(place * len(_OTHER_DIGITS), (place + 1) * len(_OTHER_DIGITS))
-            many[row.quantity][int(row.line) - 1, part] = [float(other) for other in others[part]]
+            many[row.key.quantity][int(row.key.line) - 1, part] = [
+                float(other) for other in others[part]
+            ]
         restored = _restored(features.replaced(**many), published, case, approaches)
         for place in reversed(np.flatnonzero(restored)):  # the first of a cell comes last
             refutations[cells[place // len(_OTHER_DIGITS)].id] = (
@@ -107,7 +109,7 @@ def by_table_2(published: Published) -> dict[str, NumberRange | None]:
 
 def _pairs(published: Published, approach: str) -> list[Row]:
     """Return the printed F_k of all pairs, then c of all pairs, by an approach."""
-    return [row for symbol in TERMS for row in published.column(symbol, "pair", approach)]
+    return [row for symbol in COEFFICIENTS for row in published.column(symbol, "pair", approach)]
 
 
 def by_table_3(published: Published, case: Case) -> dict[str, NumberRange | None]:
@@ -156,7 +158,7 @@ def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Tabl
 def _estimates(rows: Rows) -> Array:
     """Return F_k of all pairs, then c of all pairs, a column per set of inputs.   rows : shape (levels, sets)."""
     estimate = solve(rows[np.transpose(PAIRS)])
-    return np.vstack([estimate[symbol] for symbol in TERMS])
+    return np.vstack([estimate[symbol] for symbol in COEFFICIENTS])
 
 
 class _Table:

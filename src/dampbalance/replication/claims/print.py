@@ -24,13 +24,13 @@ import numpy as np
 import pandas as pd
 
 from ...arrays import Array
-from ...balance import TERMS
 from ...estimates import estimate_table
 from ...features import Features, of_numbers
 from ...project.case import Case
 from ...project.wording import cut
 from ...solver import Pair, pair_label
 from ..numbers import (
+    COEFFICIENTS,
     PRINTED_APPROACHES,
     Key,
     of_errors,
@@ -128,32 +128,19 @@ _MOST_BYTES = 1_000_000  # the longest table, claims.csv, has 40 kB
 
 
 class Row(NamedTuple):
-    """A printed number: the columns of `paper/published/printed.csv`, each as the text that it is.
+    """A printed number, a row of `paper/published/printed.csv`: texts, as they are.
 
-    id : as in claims.csv.   where : the place in the paper.
-    frequency … unit : its `Key`.   words : what it is, in words.
+    id : as in claims.csv.   where : the place in the paper.   key : what it is.   words : the same in words.
     claim, rule : of KINDS and of `rules.RULES`: what judges the number.
     """
 
     id: str
     where: str
-    frequency: str
-    quantity: str
-    approach: str
-    kind: str
-    phase: str
-    sharing: str
-    line: str
-    unit: str
+    key: Key
     words: str
     printed: str
     claim: str
     rule: str
-
-    @property
-    def key(self) -> Key:
-        """What the number is."""
-        return Key(*(getattr(self, name) for name in Key._fields))
 
     @property
     def number(self) -> Printed:
@@ -172,20 +159,15 @@ class Published:
         return self.rows[claim].number
 
     @cached_property
-    def by_key(self) -> dict[Key, Row]:
-        """The printed numbers by what they are; of one that is printed in several places, the first."""
-        return {row.key: row for row in reversed([*self.rows.values()])}
-
-    @cached_property
     def ids(self) -> dict[Key, str]:
-        """The ids of the printed numbers by what they are."""
-        return {key: row.id for key, row in self.by_key.items()}
+        """The ids of the printed numbers by what they are; of one that is printed in several places, the first."""
+        return {row.key: row.id for row in reversed([*self.rows.values()])}
 
     def column(self, quantity: str, kind: str = "level", approach: str = "") -> list[Row]:
         """Return what is printed of a quantity: a column of a table, in the order of its lines, or a single number."""
-        of_column = (quantity, approach, kind)
+        of = {"quantity": quantity, "kind": kind, "approach": approach}
         rows = (row for row in self.rows.values() if self.ids[row.key] == row.id)
-        return [row for row in rows if (row.quantity, row.approach, row.kind) == of_column]
+        return [row for row in rows if row.key._replace(**of) == row.key]
 
     def values(self, quantity: str, kind: str = "level", approach: str = "") -> Array:
         """Return the numbers of a `column`."""
@@ -197,18 +179,26 @@ class Published:
         return Published({**self.rows, **rows})
 
 
+_COLUMNS = ("id", "where", *Key._fields, "words", "printed", "claim", "rule")
+
+
 def read_published(folder: Path) -> Published:
     """Read the printed numbers from `folder`.
 
     Raises ValueError naming file and column when a cell is blank.
     """
-    frame = read_texts(folder / FILE, Row._fields)
+    frame = read_texts(folder / FILE, _COLUMNS)
     for column in ("id", "where", "quantity", "words", "printed", "claim", "rule"):
         if (frame[column].str.strip() == "").any():
             raise ValueError(
                 f"{FILE}: column {column} has an empty cell; every printed number needs its digits, place and rule"
             )
-    return Published({row.id: row for row in map(Row._make, frame.to_numpy())})
+    keys = map(Key._make, frame[list(Key._fields)].to_numpy())
+    others = frame.drop(columns=list(Key._fields)).to_numpy()
+    rows = (
+        Row(name, where, key, *rest) for key, (name, where, *rest) in zip(keys, others, strict=True)
+    )
+    return Published({row.id: row for row in rows})
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
@@ -242,7 +232,7 @@ def printed_features(published: Published, omega: float) -> Features:
 
     omega : drive frequency, rad/s.
     """
-    levels = {row.quantity for row in published.rows.values() if row.kind == "level"}
+    levels = {row.key.quantity for row in published.rows.values() if row.key.kind == "level"}
     return of_numbers(omega, "as printed", **{name: published.values(name) for name in levels})
 
 
@@ -260,10 +250,12 @@ def from_print(published: Published, case: Case) -> dict[Key, float]:
     means = of_features("omega1", features.to_frame())
     numbers = {key: mean for key, mean in means.items() if key.kind == "mean"}
     numbers |= of_estimates("omega1", estimates)
-    for symbol, name in product(TERMS, PRINTED_APPROACHES):
+    for symbol, name in product(COEFFICIENTS, PRINTED_APPROACHES):
         first, *_ = published.column(symbol, "pair", name)
         pairs, moment = published.values(symbol, "pair", name), first.key._replace(line="all")
         numbers[moment._replace(kind="mean")] = float(pairs.mean())
         numbers[moment._replace(kind="std")] = float(pairs.std(ddof=1))
-    printed = {row.key: row.number.value for row in published.rows.values() if row.kind == "pair"}
+    printed = {
+        row.key: row.number.value for row in published.rows.values() if row.key.kind == "pair"
+    }
     return numbers | of_errors(printed, case.oscillator)

@@ -19,12 +19,13 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
-from ...balance import TERMS, takes_phase
+from ...balance import takes_phase
 from ...estimates import estimate_table
 from ...project.case import Case
 from ...project.files import ROUTES
 from ...project.wording import cut
 from ..numbers import (
+    COEFFICIENTS,
     HARMONIC,
     HARMONIC_APPROACHES,
     PARAMETERS,
@@ -259,7 +260,7 @@ def _of_fifteen(joined: Joined) -> str:
 def _off_resonance(joined: Joined) -> str:
     hz, near = joined.case.frequencies_hz, joined.of(frequency="omega1")[ROUTE]
     return (
-        f"Largest error of the two-point formulas: {joined.values[ROUTE]:.1f} % at {hz[joined.row.frequency]:g} Hz, "
+        f"Largest error of the two-point formulas: {joined.values[ROUTE]:.1f} % at {hz[joined.key.frequency]:g} Hz, "
         f"{near:.1f} % at {hz['omega1']:g} Hz."
     )
 
@@ -272,7 +273,7 @@ def _direct_and_best(joined: Joined) -> str:
 def _bound_without_read_outs(joined: Joined) -> Holding:
     """Judge a bound; where unprinted read-outs leave it open, state in how many draws of them it is exceeded."""
     sources, row = joined.sources, joined.row
-    exact = sources.features("exact", row.frequency)
+    exact = sources.features("exact", row.key.frequency)
     drawn = unprinted.drawn(exact, sources.case, row.number.value)
     if not unprinted.open_to(drawn):
         return _bound(joined)
@@ -282,7 +283,7 @@ def _bound_without_read_outs(joined: Joined) -> Holding:
 
 def _largest_with_sign(joined: Joined) -> str:
     """Return the largest error of F_k at a frequency by several ways to the features, a sentence."""
-    sources, frequency = joined.sources, joined.row.frequency
+    sources, frequency = joined.sources, joined.key.frequency
     osc, exact = sources.case.oscillator, sources.features("exact", frequency)
 
     def largest(F_k: Iterable[float]) -> str:
@@ -328,24 +329,31 @@ RULES = {
     "time": Rule("level", ("t_s",), half_unit=WRITTEN, expected=_uncut, **_RUN),
     # Table 2: the integrals of the levels; pairs by direct integration, from more digits than are printed
     "integral": Rule("level", TABLE_2, ranged=True, tolerances=_simulated, **_RUN),
-    "direct pair": Rule("pair", TERMS, ("direct",), ranged=True, tolerances=_propagated, **_RUN),
+    "direct pair": Rule(
+        "pair", COEFFICIENTS, ("direct",), ranged=True, tolerances=_propagated, **_RUN
+    ),
     # Table 3, common φ and t_s: the read-outs of Table 1 have fewer digits than those behind it; the exact route has no
     # slip of sign
     "harmonic pair": Rule(
-        "pair", TERMS, HARMONIC_APPROACHES, shown_only=("from_print",), expected=_unslipped, **_RUN
+        "pair",
+        COEFFICIENTS,
+        HARMONIC_APPROACHES,
+        shown_only=("from_print",),
+        expected=_unslipped,
+        **_RUN,
     ),
     # The text, from the printed tables: least squares of (9) with individual φ and t_s; moments of what is printed.
     # The residual is made of the rounding of the tables, and the printed b_1 makes nearly all of a deviation: other
     # routes give another size. A mean of five times in whole tenths has no more digits than print.
-    "least squares": Rule("least_squares", TERMS, PRINTED_APPROACHES, **_PRINT),
+    "least squares": Rule("least_squares", COEFFICIENTS, PRINTED_APPROACHES, **_PRINT),
     "residual": Rule(
         "least_squares", ("residual",), PRINTED_APPROACHES, shown_only=ROUTES, **_PRINT
     ),
-    "mean of pairs": Rule("mean", TERMS, ("direct",), **_PRINT),
-    "deviation of pairs": Rule("std", TERMS, ("direct",), shown_only=ROUTES, **_PRINT),
+    "mean of pairs": Rule("mean", COEFFICIENTS, ("direct",), **_PRINT),
+    "deviation of pairs": Rule("std", COEFFICIENTS, ("direct",), shown_only=ROUTES, **_PRINT),
     "mean of levels": Rule("mean", ("phi",), **_PRINT),
     "mean of times": Rule("mean", ("t_s",), half_unit=WRITTEN, expected=_uncut, **_PRINT),
-    "bound": Rule("largest", TERMS, (HARMONIC,), holds=_bound, **_STATEMENT),
+    "bound": Rule("largest", COEFFICIENTS, (HARMONIC,), holds=_bound, **_STATEMENT),
     "bound without read-outs": Rule(
         "largest", ("any",), (HARMONIC,), ("omega3",), holds=_bound_without_read_outs, **_STATEMENT
     ),
@@ -415,9 +423,9 @@ def _problem(row: Row) -> str:
         near = rule.keys
         for column in Key._fields:
             allowed[column] = dict.fromkeys(getattr(key, column) for key in near)
-            near = [key for key in near if getattr(key, column) == getattr(row, column)]
+            near = [key for key in near if getattr(key, column) == getattr(row.key, column)]
     for column, words in allowed.items():
-        if (text := getattr(row, column)) not in words:
+        if (text := getattr(row.key if column in Key._fields else row, column)) not in words:
             listed = ", ".join(word or "none" for word in words)
             return f"{column}: {cut(text, LONGEST)!r} is not known to its rule; known are {listed}"
     if row.rule not in COMPARISONS and not row.number.is_number:

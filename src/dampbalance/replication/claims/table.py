@@ -41,7 +41,7 @@ def claims_table(sources: Sources) -> pd.DataFrame:
     records = []
     for claim in claims(sources, sources.published.rows.values()):
         printed = claim.row
-        unit = printed.unit if printed.number.is_number else ""
+        unit = printed.key.unit if printed.number.is_number else ""
         row = {"id": printed.id, "where": printed.where, "quantity": printed.words, "unit": unit}
         row |= {"printed": printed.printed, "kind": printed.claim}
         row |= {route: claim.show(route) for route in ROUTE_NAMES}

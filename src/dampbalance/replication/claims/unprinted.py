@@ -13,12 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ...balance import TERMS
 from ...features import Features
 from ...project.case import Case
 from ...solver import solve
 from ..authors_route import APPROACHES_OF_TABLE_3
-from ..numbers import HARMONIC_APPROACHES
+from ..numbers import COEFFICIENTS, HARMONIC_APPROACHES
 from .print import PAIRS
 
 DRAWS = 10_000
@@ -102,7 +101,7 @@ def _largest_errors(exact: Features, case: Case, X_m: float, phi_rad: float) -> 
     for name in HARMONIC_APPROACHES:
         rows = APPROACHES_OF_TABLE_3[name](read, case.oscillator.k)
         estimate = solve(rows[np.transpose(PAIRS)])
-        for symbol in TERMS:
+        for symbol in COEFFICIENTS:
             errors = np.abs(estimate[symbol] / getattr(case.oscillator, symbol) - 1.0)
             largest = np.maximum(largest, errors.max(axis=0))
     return 100.0 * largest
