@@ -110,6 +110,7 @@ def setting(case: Case, exact: Features) -> Rows:
     coefficients, common = authors_route.printed_coefficients(case), rules.common(exact)
     sizes = {"levels": case.levels_m, "frequencies": case.frequencies_hz, "pairs": case.pairs}
     swings = {round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()}
+    X_unit = None if rules.X_decimals is None else 10.0 ** (6 - rules.X_decimals)
     agreed = rules.X_s_mark is not None and len(swings) == 1
     return {
         "swing": (2e6 * case.oscillator.Z_m, "µm"),  # 2 Z_m
@@ -120,7 +121,7 @@ def setting(case: Case, exact: Features) -> Rows:
         **rows("count", {name: len(of) for name, of in sizes.items()}),
         "recipe.periods": (numerics.cycles - CYCLES_TO_READ, ""),
         "recipe.slip_samples": (", ".join(map(str, numerics.slip_samples)), ""),
-        "recipe.X": (rules.X_decimals and 10.0 ** (6 - rules.X_decimals), "µm"),
+        "recipe.X": (X_unit, "µm"),
         "recipe.mark": (rules.X_s_mark and 1e6 * rules.X_s_mark, "µm"),
         "recipe.swing": (swings.pop() if agreed else None, "µm"),
         "recipe.steps": (round(rules.t_s_inset / numerics.step_s, 3), ""),
