@@ -58,7 +58,7 @@ def derived_numbers(
         {n: of_routes.features_of(by_key, route, n, case.omega(n)) for n in case.frequencies_hz}
         for route in ("exact", "as_published")
     )
-    first, *_, last = exact
+    first, last = next(iter(exact)), next(reversed(exact))
     derived = {
         **setting(case, exact[first]),
         **verdict_counts(claims),
@@ -80,13 +80,9 @@ def derived_numbers(
     for name, features in exact.items():
         derived |= balance_terms(name, features, case.oscillator)
         derived |= lock_in_errors(name, features, case.oscillator, case.pairs)
-    # of πkYX_1 sin φ_1, which is rounding
-    work = (
-        np.pi
-        * case.oscillator.k
-        * np.array([f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()])
-    )
-    derived["W_fundamental"] = (100.0 * _largest(work - 1.0), "%")
+    work = [f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()]
+    rounding = _largest(np.pi * case.oscillator.k * np.array(work) - 1.0)
+    derived["W_fundamental"] = (100.0 * rounding, "%")  # of πkYX_1 sin φ_1
     approaches = comparison.approaches_table(by_key, case.frequencies_hz)
     for name, shifts in comparison.cause_shifts(approaches, case.frequencies_hz).items():
         derived |= rows(f"cause.{name}", {cause: shifts[cause] for cause in comparison.CAUSES}, "%")
