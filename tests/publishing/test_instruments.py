@@ -21,6 +21,7 @@ from dampbalance.project.case import check_case, require_own_case
 from dampbalance.project.documents import read_yaml
 from dampbalance.publishing.page.instruments import slider_controls
 from dampbalance.replication.comparison import PHASES, RECIPES, WAYS_TO_COMPARE, approaches_table
+from dampbalance.replication.numbers import by_key, numbers_table, of_routes
 from dampbalance.solver import solve
 from processes import output_of
 from publishing.page_case import page_of
@@ -384,10 +385,10 @@ def test_a_case_of_ones_own_has_its_own_values(opened, made, tmp_path):
         )
         for name in OWN.frequencies_hz
     }
-    table = approaches_table(features, OWN)
+    routes = of_routes(OWN, {"exact": {name: of.to_frame() for name, of in features.items()}}, {})
+    numbers = by_key(numbers_table(routes, {}))
     own = {
-        **{"case": OWN, "claims": None, "evidence": None, "studies": [], "approaches": table},
-        "tables": dict.fromkeys(OWN.frequencies_hz, made.tables["omega1"]),
+        **{"case": OWN, "claims": None, "numbers": numbers, "derived": {}, "studies": []},
         "figures": {name: made.figures[name] for name in ("figure3", "estimation_error")},
     }
     file.write_text(page_of(replace(made, **own)), encoding="utf-8")
@@ -395,8 +396,10 @@ def test_a_case_of_ones_own_has_its_own_values(opened, made, tmp_path):
     orbit = orbit_of(OWN, OWN.levels_m[0], 14.25)
     assert readings(page)["X"] == f"{number(1e3 * orbit.X)} mm"
     assert "only sticks" in page.inner_text("#oscillator .words")
-    table = table.set_index(["frequency", "approach", "phase", "sharing"])
-    error = table["F_k_error_percent"]["high", "X_s", "reversal", "common"]
+    table = approaches_table(numbers, OWN.frequencies_hz)
+    error = table.set_index(["frequency", "approach", "phase", "sharing"])["F_k_error_percent"][
+        "high", "X_s", "reversal", "common"
+    ]
     words = plain(page.inner_text("#off_resonance .words"))
     assert f"({wording.signed_percent(0.01 * error)})" in words
     assert f"{np.isfinite(features['high'].X_s).sum()} levels" in words

@@ -58,7 +58,7 @@ def derived_numbers(
         {n: of_routes.features_of(by_key, route, n, case.omega(n)) for n in case.frequencies_hz}
         for route in ("exact", "as_published")
     )
-    first, *_, last = exact
+    first, last = next(iter(exact)), next(reversed(exact))
     derived = {
         **setting(case, exact[first]),
         **verdict_counts(claims),
@@ -80,13 +80,9 @@ def derived_numbers(
     for name, features in exact.items():
         derived |= balance_terms(name, features, case.oscillator)
         derived |= lock_in_errors(name, features, case.oscillator, case.pairs)
-    # of πkYX_1 sin φ_1, which is rounding
-    work = (
-        np.pi
-        * case.oscillator.k
-        * np.array([f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()])
-    )
-    derived["W_fundamental"] = (100.0 * _largest(work - 1.0), "%")
+    work = [f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()]
+    rounding = _largest(np.pi * case.oscillator.k * np.array(work) - 1.0)
+    derived["W_fundamental"] = (100.0 * rounding, "%")  # of πkYX_1 sin φ_1
     approaches = comparison.approaches_table(by_key, case.frequencies_hz)
     for name, shifts in comparison.cause_shifts(approaches, case.frequencies_hz).items():
         derived |= rows(f"cause.{name}", {cause: shifts[cause] for cause in comparison.CAUSES}, "%")
@@ -110,6 +106,7 @@ def setting(case: Case, exact: Features) -> Rows:
     coefficients, common = authors_route.printed_coefficients(case), rules.common(exact)
     sizes = {"levels": case.levels_m, "frequencies": case.frequencies_hz, "pairs": case.pairs}
     swings = {round(1e6 * swing, 6) for swing in (common.X + common.X_s).tolist()}
+    X_unit = None if rules.X_decimals is None else 10.0 ** (6 - rules.X_decimals)
     agreed = rules.X_s_mark is not None and len(swings) == 1
     return {
         "swing": (2e6 * case.oscillator.Z_m, "µm"),  # 2 Z_m
@@ -120,7 +117,7 @@ def setting(case: Case, exact: Features) -> Rows:
         **rows("count", {name: len(of) for name, of in sizes.items()}),
         "recipe.periods": (numerics.cycles - CYCLES_TO_READ, ""),
         "recipe.slip_samples": (", ".join(map(str, numerics.slip_samples)), ""),
-        "recipe.X": (rules.X_decimals and 10.0 ** (6 - rules.X_decimals), "µm"),
+        "recipe.X": (X_unit, "µm"),
         "recipe.mark": (rules.X_s_mark and 1e6 * rules.X_s_mark, "µm"),
         "recipe.swing": (swings.pop() if agreed else None, "µm"),
         "recipe.steps": (round(rules.t_s_inset / numerics.step_s, 3), ""),
