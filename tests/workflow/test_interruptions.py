@@ -129,7 +129,7 @@ def mounting(copy):
 
 def test_a_full_disk(mounting):
     done = mounting(
-        f"mount -t tmpfs -o size=16k none results && {shlex.join(RUN)} features; find results -type f"
+        f"mount -t tmpfs -o size=8k none results && {shlex.join(RUN)} features; find results -type f"
     )
     assert "No space left on device" in done.stderr
     assert "results/small" not in done.stdout.rpartition("continues from there.")[2]
