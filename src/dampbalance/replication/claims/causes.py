@@ -18,7 +18,7 @@ from ...features import Features
 from ...project.case import Case
 from ...solver import least_squares, levels_of
 from ..authors_route import CORRECTED, effective_damping, estimates
-from ..numbers import TABLE_2, Key, Numbers, features_of, of_estimates
+from ..numbers import COEFFICIENTS, TABLE_2, Key, Numbers, features_of, of_estimates
 from ..read_out import ReadOut
 from . import cross_checks
 from .judging import TIME_UNIT_S, VELOCITY_MARK, NumberRange, range_text
@@ -122,7 +122,7 @@ def implied_b(published: Published, level: int) -> tuple[str, str]:
     another one. Each b is as sharp as the rounding of a, W, F_k and c lets it be.
     """
     b, a, W = (published.column(symbol)[level - 1].number for symbol in "baW")
-    pairs = [published.column(symbol, "pair", "direct") for symbol in ("F_k", "c")]
+    pairs = [published.column(symbol, "pair", "direct") for symbol in COEFFICIENTS]
 
     def implied(with_it: bool) -> tuple[str, list[bool]]:
         """Return the range of b by the pairs with this level or by the others; for each, whether it excludes print."""
