@@ -11,9 +11,9 @@ from pathlib import Path
 
 from ... import arguments
 from ..errors import RecordError, RecordWarning
+from ..guess import suggested_mapping
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..measurement import QUANTITIES, Measurement
-from ..proposal import suggested_mapping
 from ..recognise import picks_of, recognise
 from ..table import Table, intact
 from .array_files import hdf5_file, json_file, matlab_file, numpy_file
