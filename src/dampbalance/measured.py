@@ -16,7 +16,6 @@ from .identification.loading import keeps_moving
 from .identification.request import IN_WORDS, Stated
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
-from .joints.records import recognised_as_table as recognised_as_table
 from .loops.answer import identify_loops as identify_loops
 from .project.wording import listed
 from .records.mapping import MappingLike

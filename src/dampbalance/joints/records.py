@@ -13,17 +13,24 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Array, Integers
 from ..project.wording import listed, shortened, visible
-from ..records import readers
 from ..records.errors import RecordError
-from ..records.headings import STANDARD_ERROR, column_of, full_name, names_time, words_of
-from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
+from ..records.guess import Guesses, is_table_of_lines
+from ..records.headings import (
+    STANDARD_ERROR,
+    column_of,
+    full_name,
+    last_part,
+    unit_of,
+    without_number,
+    words_of,
+)
+from ..records.mapping import ChannelRule, RecordMapping, Which
 from ..records.measured import MeasuredRecord
 from ..records.measurement import ABSOLUTE, Measurement
 from ..records.table import Table
@@ -145,21 +152,6 @@ def read_lines(
     return SteppedRecord(str(file.path), label, table.quantities, None, rules, table=table)
 
 
-def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
-    """Return whether `read_records` takes a file for a table of steady responses to a stepped sine."""
-    rules = mapping_for(path, mapping)
-    return is_table_of_lines(readers.table(path, rules), rules)
-
-
-def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
-    """Return whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and
-    none of times."""
-    if rules.table or rules.channels:
-        return bool(rules.table)
-    roles = {column_of(raw) for raw in file.channels}
-    return {"frequency", "phase"} <= roles and not any(map(names_time, file.channels))
-
-
 def read_table(file: Table, rules: RecordMapping, label: str) -> SteppedTable:
     """Return the table in an open file, in SI units.
 
@@ -185,7 +177,10 @@ class _Table:
             other = self.columns.setdefault(role, {}).setdefault((group, number), i)
             if other != i:
                 both = listed([shortened(full_name(file.channels[at])) for at in (other, i)])
-                raise self._error(f"{both} are both taken for {role}; say which in {self.where}")
+                draft = Guesses(file, rules, stepped=True).proposed("Say which is which")
+                raise self._error(f"{both} are both taken for {role}. {draft}")
+        for role in [q for q in self.columns if q.removesuffix(STANDARD_ERROR) not in self.columns]:
+            del self.columns[role]
         answers = [q for q in _RESPONSES if q in self.columns]
         per_force = bool({*answers} & {*PER_FORCE})
         drives = [q for q in _DRIVES[: 1 if per_force else None] if q in self.columns]
@@ -198,11 +193,10 @@ class _Table:
         needed[f"a response ({', '.join(_RESPONSES)})"] = answers
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            held = ", ".join(shortened(full_name(raw)) for raw in file.channels[:20])
+            guesses = Guesses(file, rules, stepped=True)
             raise self._error(
-                f"finds {listed(wrong)}; a table has one of each. Its columns are {held}. Say which is which in "
-                f"{self.where}, for example\n  table:\n    frequency: {{channel: 1, unit: Hz}}\n    force: {{channel: "
-                "2, unit: N}\n    acceleration: {channel: 3, unit: m/s²}\n    phase: {channel: 4, unit: deg}"
+                f"finds {listed(wrong)}; a table has one of each. Its columns are {guesses.overview}. "
+                + guesses.proposed("Say which is which")
             )
         self.drive, self.answer = drives[0], answers[0]
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
@@ -226,9 +220,9 @@ class _Table:
         if which is None or (isinstance(which, int) and which <= len(channels)):
             return [] if which is None else [which - 1]
         spelt = [{raw.name, full_name(raw), raw.label} for raw in channels]
-        without_number = [{re.sub(r"\[\d+\]$", "", raw.name)} for raw in channels]
+        of_matrices = [{without_number(raw.name)} for raw in channels]
         alone = [{_parts(raw.name)[1]} for raw in channels]
-        for names in (spelt, without_number, alone):
+        for names in (spelt, of_matrices, alone):
             if found := [i for i, own in enumerate(names) if which in own]:
                 return found
         held = ", ".join(shortened(full_name(raw)) for raw in channels[:20])
@@ -241,17 +235,18 @@ class _Table:
         quantity = role.removesuffix(STANDARD_ERROR)
         rule = self.rules.table.get(quantity, ChannelRule(1))
         raw = self.file.channels[next(iter(self.columns[quantity].values()))]
-        words = {*words_of(raw.name)}
-        text = rule.unit or raw.unit or ("rad/s" if words & {"omega", "ω"} else None)
+        text = rule.unit or unit_of(raw)
         try:
             if text is None:
                 raise UnitError(f"has no unit: state it at table.{quantity}.unit in {self.where}")
             factor = rule.scale * table_factor(text, quantity)
         except UnitError as error:
-            raise self._error(f"column {shortened(raw.name)}: {error}") from None
+            draft = Guesses(self.file, self.rules, stepped=True)
+            remedy = "" if self.rules.table else f". {draft.proposed('Say what it is')}"
+            raise self._error(f"column {shortened(raw.name)}: {error}{remedy}") from None
         if quantity == "frequency":
             return 2.0 * math.pi * factor
-        return math.sqrt(2.0) * factor if "rms" in words else factor
+        return math.sqrt(2.0) * factor if "rms" in words_of(raw.name) else factor
 
     def read(self, label: str) -> SteppedTable:
         """Return the table, with the lag φ of the displacement in each line."""
@@ -390,7 +385,7 @@ def _parts(name: str) -> tuple[str, str, int]:
     """Group, name and number of a column: "a.b.force[2]" is the second force in a.b."""
     match = re.fullmatch(r"(.*?)(?:\[(\d+)\])?", name)
     assert match is not None
-    last = re.split(r"[/.](?=[^/.])", match[1])[-1]
+    last = last_part(match[1])
     return match[1].removesuffix(last).rstrip("/."), last, int(match[2] or 0)
 
 

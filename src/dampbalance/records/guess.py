@@ -7,6 +7,7 @@ mapping that a refusal shows and that `--write-mapping` writes.
 from __future__ import annotations
 
 import json
+import math
 import re
 import warnings
 from collections.abc import Collection, Sequence
@@ -19,22 +20,35 @@ from ..arrays import Array
 from ..project.wording import shortened
 from .errors import RecordError, RecordWarning
 from .headings import (
+    STANDARD_ERROR,
     WORDS,
     by_unit,
+    column_of,
     coordinate_of,
     full_name,
     holds_time,
     key_of,
+    last_part,
     names_time,
     quantity_of,
     unit_of,
     unusable,
+    without_number,
     words_of,
 )
 from .mapping import RecordMapping
 from .measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, require_one_coordinate
 from .table import Table
-from .units import DIMENSIONS, find_motion, find_other, find_unit
+from .units import (
+    DIMENSIONS,
+    PER_FORCE,
+    TABLE_DIMENSIONS,
+    UnitError,
+    find_motion,
+    find_other,
+    find_unit,
+    table_factor,
+)
 
 LISTED = 20  # columns in a message
 _ABSOLUTE_VALUE = {
@@ -47,6 +61,7 @@ _TRIED = 20  # columns that are read one by one where some column holds a text
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _LONGEST = 60  # characters of a name; a column with a longer one is called by its number
+_TURNS = 2.0 * math.pi  # half the range of phases: more is in degrees, less in rad
 _IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
 # least step in each unit, as nothing is sampled at less than 20 Hz
 _TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
@@ -55,7 +70,23 @@ _BY_NOTHING = "neither name nor unit says what it is"
 _FIRST = "; taken as the drive, as it comes first"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
 _MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity]}
-_KEPT = ("delimiter", "decimal", "header_lines", "sample_rate_hz", "frequency_hz", "level", "notes")
+_DRIVES = (*EXCITATIONS, "base_velocity")
+_RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
+_UNITS = {
+    **QUANTITIES,
+    **{"frequency": "Hz", "phase": "rad", "base_velocity": "m/s"},
+    **{"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s²/N"},
+}
+_KEPT = (
+    "delimiter",
+    "decimal",
+    "header_lines",
+    "sample_rate_hz",
+    "frequency_hz",
+    "level",
+    "notes",
+    "force_N",
+)
 """Keys of a mapping that stay in the one suggested."""
 
 
@@ -143,10 +174,15 @@ class Guesses:
     the one to write.   stepped : whether it is a table of steady responses to a stepped sine.
     """
 
-    def __init__(self, file: Table, mapping: RecordMapping, *, stepped: bool = False) -> None:
+    def __init__(
+        self, file: Table, mapping: RecordMapping, *, stepped: bool | None = False
+    ) -> None:
         self.file, self.path, self.channels, self.mapping = file, file.path, file.channels, mapping
-        self.stepped, self.where = stepped, mapping.source or f"{file.path}.yaml"
+        self.stepped = is_table_of_lines(file, mapping) if stepped is None else stepped
+        self.where = mapping.source or f"{file.path}.yaml"
         self.keys = [key_of(raw.name) for raw in self.channels]
+        if self.stepped:
+            self.keys = [without_number(key) for key in self.keys]
         self.names = [shortened(full_name(raw)) for raw in self.channels]
         self.overview = first_of([f"{i} {name}" for i, name in enumerate(self.names, 1)]) or "none"
 
@@ -207,15 +243,12 @@ class Guesses:
 
     def named(self, i: int) -> Guess | None:
         """Return the guess that a heading gives, if its unit is not of another quantity."""
-        raw = self.channels[i]
+        raw, unit = self.channels[i], by_unit(self.channels[i])
         if i in self.axes:
             return Guess("acceleration", _BY_NAME)
-        for all_words, doubt in ((True, CERTAIN), (False, LIKELY)):
-            if quantity := quantity_of(raw, all_words=all_words):
-                unit = by_unit(raw)
-                fits = unit is None or DIMENSIONS[unit] == DIMENSIONS[quantity]
-                return Guess(quantity, _BY_NAME, doubt) if fits else None
-        return None
+        quantity = (whole := quantity_of(raw)) or quantity_of(raw, all_words=False)
+        fits = quantity and (unit is None or DIMENSIONS[unit] == DIMENSIONS[quantity])
+        return Guess(str(quantity), _BY_NAME, CERTAIN if whole else LIKELY) if fits else None
 
     @cached_property
     def certain(self) -> tuple[dict[str, int], str]:
@@ -270,120 +303,166 @@ class Guesses:
 
     @cached_property
     def draft(self) -> dict[int, Guess]:
-        """The guess for each column but times: the surest that no other column is taken for, with one excitation at the
-        most; "" where there is none."""
+        """The guess for each column but times: the surest of a quantity, or of an excitation, that no other is taken
+        for."""
         of = {i: self._of(i) for i, raw in enumerate(self.channels) if not holds_time(raw)}
-        chosen, competing = self.certain
-        for quantity, i in ({} if competing else chosen).items():
-            unit = by_unit(self.channels[i])
-            if (
-                unit
-                and DIMENSIONS[unit] == DIMENSIONS[quantity]
-                and of[i][0].quantity not in ("", quantity)
-            ):
-                of[i] = [Guess(quantity, _BY_UNIT), *of[i]]  # as no other column can be it
-        surest = {i: guesses[0] for i, guesses in of.items()}
-        sure = {i: g.quantity for i, g in surest.items() if g.doubt <= LIKELY}
-        if not {*sure.values()} & {
-            *EXCITATIONS
-        }:  # the first of several alike, none the mass, drives
-            for driving, quantity in _RESPONSE_OF.items():
-                alike = [i for i, q in sure.items() if q == quantity]
-                bare = [
-                    i for i in alike if not {*words_of(self.channels[i].name)} & {*WORDS["mass"]}
-                ]
-                if len(alike) > 1 and bare:
-                    of[bare[0]] = [Guess(driving, _BY_NAME + _FIRST, LIKELY), of[bare[0]][-1]]
-        able = [i for i, guess in surest.items() if guess.quantity]
-        if len(able) == 1 and able[0] not in sure:
-            (i,) = able
-            of[i] = [g for g in of[i] if g.quantity not in EXCITATIONS]
-            of[i][0] = replace(of[i][0], reason="the only signal")
+        if not self.stepped:
+            self._prefer(of)
         taken: dict[int, Guess] = {}
         for i in sorted(
-            of, key=lambda i: (max(of[i][0].doubt, LIKELY), not by_unit(self.channels[i]))
+            of, key=lambda i: (max(of[i][0].doubt, LIKELY), by_unit(self.channels[i]) is None)
         ):
+            held = {self._slot(guess.quantity) for guess in taken.values()} - {""}
+            full = self._complete({guess.quantity for guess in taken.values()})
+            vague = [
+                g
+                for g in of[i]
+                if full and g.doubt >= UNSAID and (self.stepped or g.quantity in RESPONSES)
+            ]
             taken[i] = next(
-                g for g in of[i] if not self._barred(g, {t.quantity for t in taken.values()})
+                g for g in of[i] if g not in vague and self._slot(g.quantity) not in held
             )
+        chosen = [i for i, guess in taken.items() if guess.quantity]
+        if len(chosen) == 1 and taken[chosen[0]].doubt > LIKELY:
+            quantity = taken[chosen[0]].quantity
+            only = Guess(_RESPONSE_OF.get(quantity, quantity), "the only signal")
+            taken |= {chosen[0]: only}
         return {i: taken[i] for i in of}
+
+    def _prefer(self, of: dict[int, list[Guess]]) -> None:
+        """Put first what is certain as no other column can be it; and where names call several alike and none a drive,
+        take the first of them that is not the mass for it."""
+        chosen, competing = self.certain
+        for quantity, i in ({} if competing else chosen).items():
+            unit, first = by_unit(self.channels[i]), of[i][0]
+            fits = unit and DIMENSIONS[unit] == DIMENSIONS[quantity]
+            if fits and first.quantity and (first.quantity, first.reason) != (quantity, _BY_NAME):
+                of[i].insert(0, Guess(quantity, _BY_UNIT))
+        sure = {i: guesses[0].quantity for i, guesses in of.items() if guesses[0].doubt <= LIKELY}
+        for driving, quantity in _RESPONSE_OF.items():
+            alike = [i for i, q in sure.items() if q == quantity]
+            bare = [i for i in alike if not {*words_of(self.channels[i].name)} & {*WORDS["mass"]}]
+            if len(alike) > 1 and bare and not {*sure.values()} & {*EXCITATIONS}:
+                of[bare[0]] = [Guess(driving, _BY_NAME + _FIRST, LIKELY), of[bare[0]][-1]]
 
     def _of(self, i: int) -> list[Guess]:
         """Return the guesses for a column by itself, from the surest on; the last says why there is no other."""
-        raw, unit, named = self.channels[i], by_unit(self.channels[i]), self.named(i)
+        raw, unit = self.channels[i], by_unit(self.channels[i])
+        if self.stepped:
+            return self._of_lines(i)
         if i not in self.spare(()):
             quantity = quantity_of(raw) or quantity_of(raw, all_words=False) or ""
             moves = {*words_of(raw.name)} & _MOTIONS and quantity in RESPONSES
             wrong_unit = find_other(raw.unit or "") and not unusable(replace(raw, unit=None))
             against = [Guess(quantity, _BY_NAME, AGAINST_ITS_UNIT)] if moves and wrong_unit else []
-            why = self.samples.aside.get(i) or self.axes[i]
-            return [*against, Guess("", why, AGAINST_ITS_UNIT)]
+            return [*against, Guess("", self.samples.aside.get(i) or self.axes[i])]
         if raw.unit and unit is None and not find_other(raw.unit):
             return [Guess("", f"its unit, {shortened(raw.unit)}, is no unit of motion or force")]
-        found, reason, doubt, fitting = (
-            [named] if named else [],
-            _BY_NOTHING,
-            UNSAID,
-            ["base_displacement", "displacement"],
-        )
-        if unit is not None:
-            reason, doubt, one = _BY_UNIT, POSSIBLE, DIMENSIONS[unit]
-            fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
-        if named is None or named.quantity not in EXCITATIONS:  # an excitation is no response
-            found += [Guess(q, reason + _FIRST * (q in EXCITATIONS), doubt) for q in fitting]
-        taken = f"another channel is taken for {found[0].quantity}"
-        return [*found, Guess("", taken if found[0].doubt < UNSAID else _BY_NOTHING)]
+        named = self.named(i)
+        found, one = [named] if named else [], DIMENSIONS.get(unit or "")
+        fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
+        reason, doubt = (_BY_UNIT, POSSIBLE) if fitting else (_BY_NOTHING, UNSAID)
+        fitting = fitting or ["base_displacement", "displacement"]
+        found += [Guess(q, reason + _FIRST * (q in EXCITATIONS), doubt) for q in fitting]
+        if named and named.quantity in EXCITATIONS:  # which is no response
+            found = [named]
+        other = f"another channel is taken for {found[0].quantity}" if found else _BY_UNIT
+        return [*found, Guess("", _BY_NOTHING if found and found[0].doubt == UNSAID else other)]
 
-    @staticmethod
-    def _barred(guess: Guess, held: Collection[str]) -> bool:
-        """Return whether a guess competes with quantities that are held."""
-        if guess.quantity in EXCITATIONS:
-            return bool({*held} & {*EXCITATIONS})
-        vague = guess.doubt >= UNSAID and {*held} & {*RESPONSES}
-        return bool(guess.quantity and (guess.quantity in held or vague))
+    def _of_lines(self, i: int) -> list[Guess]:
+        """Return the guesses for a column of a table of steady responses, from the surest on."""
+        raw, named = self.channels[i], column_of(self.channels[i])
+        unit = find_unit(raw.unit or "")
+        fitting = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
+        found = (
+            [Guess(named, _BY_NAME)] if named else [Guess(q, _BY_UNIT, POSSIBLE) for q in fitting]
+        )
+        if not (found or raw.unit or i in self.samples.aside):
+            vague = ("frequency", "force", "displacement", "phase")
+            found = [Guess(q, _BY_NOTHING, UNSAID) for q in vague]
+        said = found and found[0].doubt < UNSAID
+        other = f"another column is taken for {found[0].quantity}" if said else _BY_NOTHING
+        if {*map(column_of, self.channels)} & {*PER_FORCE}:  # no base drives
+            found = [guess for guess in found if not guess.quantity.startswith("base_")]
+        return [*found, Guess("", other)]
+
+    def _slot(self, quantity: str) -> str:
+        """Return what a record, or a table, has one of: of all excitations one, of responses one in a table."""
+        if quantity in _DRIVES:
+            return "drive"
+        return "response" if self.stepped and quantity in _RESPONSES else quantity
+
+    def _complete(self, held: Collection[str]) -> bool:
+        """Return whether a record, or a table, can be read with these quantities."""
+        if not self.stepped:
+            return bool({*held} & {*RESPONSES})
+        needed = ["frequency", "response", "phase", *["drive"] * (not {*held} & {*PER_FORCE})]
+        return {*needed} <= {*map(self._slot, held)}
 
     @property
     def complete(self) -> bool:
-        """Whether the draft has a response."""
-        return any(guess.quantity in RESPONSES for guess in self.draft.values())
+        """Whether the draft has a response, and all else that a table of steady responses needs."""
+        return self._complete({guess.quantity for guess in self.draft.values()})
 
     def lines(self) -> list[str]:
         """Return the draft as a mapping in YAML, each line with its reason, and the columns left out."""
-        chosen = {guess.quantity: i for i, guess in self.draft.items() if guess.quantity}
-        driving = [q for q in chosen if q in EXCITATIONS]
-        lines = ["channels:" if driving else "channels:  # a free decay, without an excitation"]
-        for quantity in (q for q in QUANTITIES if q in chosen):
+        chosen = {g.quantity: i for i, g in reversed(self.draft.items()) if g.quantity}
+        driving = {*chosen} & {*EXCITATIONS}
+        head = "channels:" if driving else "channels:  # a free decay, without an excitation"
+        lines, times = ["table:" if self.stepped else head], self._times()
+        for quantity in (
+            q for q in (TABLE_DIMENSIONS if self.stepped else QUANTITIES) if q in chosen
+        ):
             i, reason = chosen[quantity], self.draft[chosen[quantity]].reason
-            unit, scale, remark = self._in_unit(i, quantity)
-            name = coordinate_of(self.channels[i]).key(quantity)
-            entry = f"{name}: {{channel: {self._which(i)}, unit: {unit}{scale}}}"
-            if quantity in ABSOLUTE and driving not in ([], ["force"]) and reason != _BY_NAME:
+            stated, remark = self._in_unit(i, quantity)
+            name = quantity if self.stepped else coordinate_of(self.channels[i]).key(quantity)
+            if (error := chosen.get(quantity + STANDARD_ERROR)) is not None:
+                stated += f", standard_error: {self._which(error)}"
+            relative = quantity in ABSOLUTE and driving - {"force"} and reason != _BY_NAME
+            if relative and not self.stepped:
                 remark = f"; relative_{name} if measured against the base{remark}"
-            lines.append(f"  {entry}  # {reason}{remark}")
+            lines.append(f"  {name}: {{channel: {self._which(i)}{stated}}}  # {reason}{remark}")
         for key in _KEPT:
             if (value := getattr(self.mapping, key)) not in (None, ""):
                 lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
-        times = self._times()
+        if not self.stepped:
+            lines += self._time(times)
+        elif {*chosen} & {*PER_FORCE} and not driving and not self.mapping.force_N:
+            lines.append("force_N: 1.0  # the file has no force: replace by its amplitude")
+        read = {self.keys[i] for i in chosen.values()} if self.stepped else set()  # of all levels
         aside = [
             f"# left aside: {self.names[i]}: {guess.reason}"
             for i, guess in self.draft.items()
-            if not guess.quantity and i not in times
+            if not guess.quantity and i not in times and self.keys[i] not in read
         ]
         more = [f"# and {len(aside) - LISTED} more"] * (len(aside) > LISTED)
-        return [*lines, *self._time(times), *aside[:LISTED], *more]
+        return [*lines, *aside[:LISTED], *more]
 
-    def _in_unit(self, i: int, quantity: str) -> tuple[str, str, str]:
-        """Return the unit, scale and remark of a channel in the mapping."""
-        raw, unit, values = self.channels[i], QUANTITIES[quantity], self.samples.values[i]
-        own = find_motion(raw.unit or "")
-        if own and own.counterpart == DIMENSIONS[quantity]:
-            return own.name, "", ""
+    def _in_unit(self, i: int, quantity: str) -> tuple[str, str]:
+        """Return the unit and scale of a column in the mapping, and a remark on them."""
+        raw, values = self.channels[i], self.samples.values[i]
+        unit, large = _UNITS.get(quantity, ""), values.size and 0.5 * np.ptp(values)
+        if not unit:  # a level
+            return "", ""
+        if own := self._own_unit(unit_of(raw) or "", quantity):
+            return f", unit: {own}", ""
+        if unit == "m" and (raw.unit or large > _IN_MM):
+            unit = "mm"
         if raw.unit:
-            unit = "mm" if unit == "m" else unit
             remark = f"; recorded in {raw.unit}: replace 1.0 by the {unit} per {raw.unit}"
-            return unit, ", scale: 1.0", remark
-        large = unit == "m" and values.size and 0.5 * np.ptp(values) > _IN_MM
-        return "mm" if large else unit, "", "; unit guessed, the file has none"
+            return f", unit: {unit}, scale: 1.0", remark
+        unit = "deg" if quantity == "phase" and large > _TURNS else unit
+        return f", unit: {unit}", "; unit guessed, the file has none"
+
+    def _own_unit(self, text: str, quantity: str) -> str:
+        """Return the unit of a column as a mapping gives it, if it fits the quantity; "" otherwise."""
+        own = find_motion(text)
+        if not self.stepped:
+            return own.name if own and own.counterpart == DIMENSIONS[quantity] else ""
+        try:
+            return text if text and table_factor(text, quantity) else ""
+        except UnitError:
+            return ""
 
     def _times(self) -> list[int]:
         """Return the columns of times in the draft: by the mapping, name or unit, or as the only ones that rise."""
@@ -412,13 +491,17 @@ class Guesses:
     def _which(self, i: int) -> str:
         """Return a column as a mapping names it: by its name, or by its number where that is long or not its alone."""
         name = self.channels[i].name
-        if self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
+        if self.keys.count(self.keys[i]) > 1 and self.stepped:  # one column for each level
+            name = without_number(last_part(name))
+        elif self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
             return str(i + 1)
         plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
         return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
 
     def proposed(self, what: str) -> str:
         """Say `what` to write, with the draft, which is complete, and holds for these columns if the guesses do."""
+        if not self.complete and self.stepped:
+            return f"A table has a frequency, a drive, a response and a phase: name the column of each in {self.where}"
         if not self.complete:
             remedy = "give one that holds both, or name the file of each in"
             return f"A record has two signals at least: {remedy} {self.where}"
@@ -427,6 +510,10 @@ class Guesses:
 
     def unclear(self, what: str) -> RecordError:
         """Return the error for columns that cannot be distinguished: what is missing, and the mapping to write."""
+        if self.stepped:
+            return RecordError(
+                f"{self.path}: {what}; its columns are {self.overview}. {self.proposed('Say which is which')}"
+            )
         return RecordError(
             f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind "
             f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the "
@@ -434,12 +521,28 @@ class Guesses:
         )
 
 
-def suggested_mapping(file: Table, mapping: RecordMapping) -> str:
-    """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason. Raises
-    RecordError where the mapping names channels already, or the table has no response."""
-    guesses = Guesses(file, mapping)
-    if mapping.channels:
+def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
+    """Return whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and
+    none of times."""
+    if rules.table or rules.channels:
+        return bool(rules.table)
+    held = {column_of(raw) for raw in file.channels}
+    return {"frequency", "phase"} <= held and not any(map(names_time, file.channels))
+
+
+def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None = None) -> str:
+    """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason.
+
+    stepped : whether it holds steady responses to a stepped sine; None to see it by its columns.
+
+    Raises RecordError where the mapping names channels already, or the draft lacks a response, or another column.
+    """
+    if mapping.channels or mapping.table:
         raise RecordError(f"{mapping.source} names the channels of {file.path} already")
+    guesses = Guesses(file, mapping, stepped=stepped)
     if not guesses.complete:
-        raise guesses.unclear("finds no response")
+        what = (
+            "lacks columns of a table of a stepped sine" if guesses.stepped else "finds no response"
+        )
+        raise guesses.unclear(what)
     return "\n".join([*guesses.lines(), ""])

@@ -94,9 +94,19 @@ _SECONDS = re.compile(
 _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
+def last_part(name: str) -> str:
+    """Return the last part of a path of groups or structures."""
+    return re.split(r"[/.](?=[^/.])", name.strip())[-1].strip()
+
+
+def without_number(name: str) -> str:
+    """Return a name without the number of a column of a matrix, force of force[2]."""
+    return re.sub(r"\[\d+\]$", "", name)
+
+
 def key_of(name: str) -> str:
     """Return the last part of a path, in lower case, with "_" for what separates words."""
-    return re.sub(r"[\s\-]+", "_", re.split(r"[/.](?=[^/.])", name.strip())[-1].strip().lower())
+    return re.sub(r"[\s\-]+", "_", last_part(name).lower())
 
 
 def names_time(raw: RawChannel) -> bool:
@@ -118,7 +128,9 @@ def full_name(raw: RawChannel) -> str:
 
 def unit_of(raw: RawChannel) -> str | None:
     """Return the unit of a channel as the file spells it, or as its name implies; None for none."""
-    return raw.unit or ("s" if _SECONDS.fullmatch(key_of(raw.name)) else None)
+    if raw.unit or not _SECONDS.fullmatch(key_of(raw.name)):
+        return raw.unit or ("rad/s" if {*words_of(raw.name)} & {"omega", "ω"} else None)
+    return "s"
 
 
 def unusable(raw: RawChannel) -> str | None:
@@ -172,9 +184,11 @@ def column_of(raw: RawChannel) -> str | None:
             return quantity + ending
     words = [w for w in words if w not in _OF_AMPLITUDES | _OF_ERRORS]
     words = [w for w in words if len(w) > 1 or w in _MEANINGS]  # F [N], A [g]
+    if unit and unit.dimension == TABLE_DIMENSIONS["phase"]:
+        return None if words else f"phase{ending}"
     named = replace(raw, name=" ".join(words))
-    quantity = quantity_of(named, among=TABLE_DIMENSIONS) if words else by_unit(raw)
-    return quantity and quantity + ending
+    amplitude = quantity_of(named, among=TABLE_DIMENSIONS) if words else by_unit(raw)
+    return amplitude and amplitude + ending
 
 
 def by_unit(raw: RawChannel) -> str | None:
@@ -193,7 +207,7 @@ def coordinate_of(raw: RawChannel) -> Coordinate:
 
 def words_of(name: str) -> list[str]:
     """Return the words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
-    name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
+    name = unicodedata.normalize("NFC", last_part(name))
     spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
     words: list[str] = []
     spaced = spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")
