@@ -19,7 +19,7 @@ from scipy.io import wavfile
 
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import read, table
-from dampbalance.replication.record import Record
+from dampbalance.replication.record import SimulatedRecord
 from records.formats import write_columns, write_uff
 
 RATE = 1000.0
@@ -130,7 +130,7 @@ def test_encodings(tmp_path, encoding):
 
 def test_own_columns_of_a_record_are_known(tmp_path):
     path = tmp_path / "run.csv"
-    Record(T, Y, A, A, Y).to_frame().to_csv(path, index=False)
+    SimulatedRecord(T, Y, A, A, Y).to_frame().to_csv(path, index=False)
     found = read(path)
     assert list(found) == ["base_displacement", "displacement", "velocity", "acceleration"]
     np.testing.assert_array_equal(found["displacement"].values, A)

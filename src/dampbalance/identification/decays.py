@@ -24,9 +24,10 @@ from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..motion.unknowns import M
 from ..project.wording import Remark, listed, percent, visible, with_error
+from ..records.channel import EXCITATIONS, ORDERS, Channel
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, in_words_of_records
-from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
+from ..records.measured import in_words_of_records
+from ..records.record import Record
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
@@ -213,14 +214,14 @@ def identify_decays(
 
 
 @in_words_of_records
-def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
+def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> DecayOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     if k is None:
         options, k = with_stiffness_by_mass(partial(_of_records, records), options)
         mass = None
     outcome = identify_ring_downs(
-        [record.whole() for record in records],
+        [record.corrected() for record in records],
         k,
         mass=mass,
         mass_error=options["mass_standard_error_kg"] or 0.0,
@@ -236,7 +237,7 @@ def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any])
 
 @one_thread
 def identify_ring_downs(
-    records: Sequence[Measurement],
+    records: Sequence[Record],
     k: float,
     *,
     mass: float | None = None,
@@ -263,29 +264,29 @@ def identify_ring_downs(
     for record in records:
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
-                f"{record.source}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
+                f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
                 "and free decays are not identified together"
             )
         odd: list[Remark] = []
         channels = enumerate(record.responses, offsets)
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
-        warnings += [words.about(record.source) for words in odd]
+        warnings += [words.about(record.name) for words in odd]
         try:
-            separate, bursts = separate_fits(record.source, signals, k)
+            separate, bursts = separate_fits(record.name, signals, k)
         except NoDecay as error:
-            raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
+            raise ValueError(f"{record.name}: {_unclear(record)}: {error}") from None
         if not separate:
             few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
             cause = few or (
                 f"the motion is not that of a mass on a spring of {k:g} N/m with friction; give the record "
                 "from the release or the blow on"
             )
-            raise ValueError(f"{record.source}: {_unclear(record)}: {cause}")
+            raise ValueError(f"{record.name}: {_unclear(record)}: {cause}")
         warnings += [
             Remark(
                 "the motion about {:.4g} s is no free decay that slips, and is left out",
                 burst.turn,
-                source=record.source,
+                source=record.name,
             )
             for burst in bursts
         ]
@@ -294,7 +295,7 @@ def identify_ring_downs(
     common, left_out = fit_all(fits)
     if common is None:
         raise ValueError(
-            f"{records[0].source}: no oscillator explains its free decays; check the stiffness and the units"
+            f"{records[0].name}: no oscillator explains its free decays; check the stiffness and the units"
         )
     warnings += [
         Remark(
@@ -326,11 +327,11 @@ def identify_ring_downs(
             "or is its frequency or its gain not constant? Give the record from the release or the blow on"
         )
     rig = implied(fit, mass if agrees else None)
-    outcome = _solved(fit, rows_of(fit), tuple(record.source for record in records), rig, warnings)
+    outcome = _solved(fit, rows_of(fit), tuple(record.name for record in records), rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
 
 
-def _unclear(record: Measurement) -> str:
+def _unclear(record: Record) -> str:
     """Return how a record without a decay is reported."""
     if record.driven:
         return f"{visible(record.excitation.name)} stands still, and no free decay was found"
@@ -339,7 +340,7 @@ def _unclear(record: Measurement) -> str:
     )
 
 
-def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
+def _signal(record: Record, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
     """Return a channel of the mass, evenly sampled.   offset : its number."""
     channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values

@@ -34,10 +34,11 @@ from ..fit.oscillator_fit import OscillatorFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.wording import Remark, with_error
+from ..records.channel import ABSOLUTE, RELATIVE
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, in_words_of_records
-from ..records.measurement import ABSOLUTE, RELATIVE
+from ..records.measured import in_words_of_records
 from ..records.quantities import quantity
+from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -292,9 +293,7 @@ def identify_forced(
 
 
 @in_words_of_records
-def _of_records(
-    records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
-) -> ForcedOutcome:
+def _of_records(records: tuple[Record, ...], law: Law, options: Mapping[str, Any]) -> ForcedOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     if options["stiffness_N_per_m"] is None:
         require_base(records, "stiffness is missing, and a mass alone gives none then", STATIC_TEST)

@@ -22,7 +22,7 @@ from ..law.terms import FRICTION
 from ..project.files import plain, write_json, write_rows, write_text
 from ..project.wording import Remark, percent, sentence, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
-from ..records.measured import MeasuredRecord
+from ..records.record import Record
 from .answer import (
     CHECKS,
     NONE,
@@ -108,7 +108,7 @@ class Identified(ABC):
     rig: Sequence[str]
     settings: Mapping[str, Any]
     laws: LawComparison | None = None
-    records: tuple[MeasuredRecord, ...] = ()
+    records: tuple[Record, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
     hint: str = ""
 

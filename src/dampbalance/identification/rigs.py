@@ -10,8 +10,8 @@ from ..arguments import one_of
 from ..law.law import Law
 from ..law.terms import term
 from ..project.wording import Remark, number_text, with_unit
-from ..records.measured import MeasuredRecord
 from ..records.quantities import quantity
+from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from .answer import UNBOUNDED
 from .loading import load
@@ -54,7 +54,7 @@ def held_by(
     return {"contact_to": of_contact, "fixture_mass_kg": fixture}
 
 
-def require_base(records: Sequence[MeasuredRecord], what: str, remedy: str) -> None:
+def require_base(records: Sequence[Record], what: str, remedy: str) -> None:
     """Raise ValueError for the first record that a force drives.   what : of the settings needs a base that moves."""
     for record in records:
         if "force" in record.quantities:
@@ -63,7 +63,7 @@ def require_base(records: Sequence[MeasuredRecord], what: str, remedy: str) -> N
             )
 
 
-def masses_of(records: Sequence[MeasuredRecord], options: Mapping[str, Any]) -> Masses:
+def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
     """Return the masses of a rig from options by the keys of a configuration.
 
     A load cell feels the inertia of what is between it and the mass: f = mẍ + … + m_f ẍ, so that m + m_f moves.
@@ -100,7 +100,7 @@ def require_possible(readings: Sequence[Reading], mass: float | None, k: float) 
 
 def of_a_mount(
     joint: JointFit,
-    records: Sequence[MeasuredRecord],
+    records: Sequence[Record],
     k: float,
     masses: Masses,
     law: Law,

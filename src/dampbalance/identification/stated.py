@@ -21,7 +21,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..project.wording import change_text, listed, with_error
-from ..records.measurement import ACCOMPANYING, EXCITATIONS
+from ..records.channel import ACCOMPANYING, EXCITATIONS
 from .answer import REFERENCE, Answer, unit_of
 from .identified import Identified
 from .loading import correction_of
