@@ -7,7 +7,7 @@ import io
 import re
 import tempfile
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from ...arrays import Array
 from ...project.wording import shortened
 from ..errors import RecordError, library
 from ..headings import quantity_of, words_of
-from ..table import RawChannel, Table, described, unit_among
+from ..table import RawChannel, Signal, Table, described, table_of, unit_among
 from ..units import split_label
 
 # universal files: the function types of a time response and of a frequency response, what a channel without a name
@@ -39,13 +39,11 @@ def parquet_file(path: Path) -> Table:
     def is_time(kind: Any) -> bool:
         return bool(types.is_timestamp(kind) or types.is_duration(kind))
 
-    numeric = types.is_integer, types.is_floating, types.is_decimal, is_time
-
     def channel(field: Any) -> RawChannel:
         if is_time(field.type):
             return RawChannel(field.name, "s", size, label=field.name, stamps=True)
         metadata = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
-        return described(path, field.name, size, {}, unit_among(metadata))
+        return described(path, field.name, size, {"unit": unit_among(metadata)})
 
     with parquet.ParquetFile(path) as file:
         fields, size = list(file.schema_arrow), file.metadata.num_rows
@@ -53,6 +51,7 @@ def parquet_file(path: Path) -> Table:
 
     def numbers(column: Any, kind: Any, name: str) -> Any:
         held = kind.value_type if types.is_dictionary(kind) else kind
+        numeric = types.is_integer, types.is_floating, types.is_decimal, is_time
         if not any(is_kind(held) for is_kind in numeric):
             what = shortened(str(kind))[1:-1]
             raise RecordError(f"{path}: column {shortened(name)} holds {what}, not numbers")
@@ -78,45 +77,37 @@ def uff_file(path: Path) -> Table:
     moves. Of a file without time responses its frequency responses: frequency, receptance, mobility or accelerance, and
     phase, "1/phase" of the first of several."""
     pyuff = library("pyuff", "a universal file")
-    channels, arrays = [], []
     tidy = _tidied(path.read_bytes())
-    marks = tidy.count(b"    -1\n") + tidy.count(b"    -1\r")
+    if (tidy.count(b"    -1\n") + tidy.count(b"    -1\r")) % 2:
+        raise RecordError(f"{path}: its last data set has no end; it was cut short")
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "tidy.uff"
         copy.write_bytes(tidy)
         file = pyuff.UFF(str(copy))
         kinds = map(int, file.get_set_types())
         sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
-    responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
-    sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
-    for number, item in enumerate([] if sets else responses, start=1):
-        group = f"{number}/" * (len(responses) > 1)
-        for name, unit, values in _frequency_response(item):
-            channels.append(RawChannel(group + name, unit, values.size, label=group + name))
-            arrays.append(values)
-    for item, label in zip(sets, _names(sets), strict=True):
-        n = int(item["num_pts"])
-        values = np.asarray(item["data"])
+    times = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+    signals = []
+    for item, label in zip(times, _names(times), strict=True):
+        values, n = np.asarray(item["data"]), int(item["num_pts"])
         if values.size != n or np.iscomplexobj(values):
             raise RecordError(
                 f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real "
                 "signal"
             )
-        even = item["abscissa_spacing"] == 1
-        timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
-        stated = _stated(item, "ordinate_axis_units_lab")
-        channel = described(path, label, n, timing, stated)
-        if not even:  # its times stand in it, in front of it here
-            seconds = _stated(item, "abscissa_axis_units_lab") or "s"
-            channels.append(RawChannel(f"{channel.name} time", seconds, n))
-            arrays.append(np.asarray(item["x"]))
-        channels.append(channel)
-        arrays.append(values)
-    if marks % 2:
-        raise RecordError(f"{path}: its last data set has no end; it was cut short")
-    if not arrays:
+        unit, timing = {"unit": _stated(item, "ordinate_axis_units_lab")}, dict[str, Any]()
+        if item["abscissa_spacing"] == 1:
+            timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]}
+        else:  # its times stand in it, in front of it here
+            seconds = {"unit": _stated(item, "abscissa_axis_units_lab") or "s"}
+            signals.append(Signal(f"{split_label(label)[0]} time", np.asarray(item["x"]), seconds))
+        signals.append(Signal(label, values, unit | timing))
+    responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
+    for number, item in enumerate([] if signals else responses, start=1):
+        signals += _frequency_response(item, f"{number}/" * (len(responses) > 1))
+    if not signals:
         raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
-    return Table(path, channels, lambda wanted: [arrays[i] for i in wanted])
+    return table_of(path, signals)
 
 
 def _tidied(raw: bytes) -> bytes:
@@ -171,14 +162,17 @@ def _degree(item: dict[str, Any], of: str) -> str:
     return " ".join(filter(None, parts))
 
 
-def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None, Array]]:
-    """Yield frequency, amplitude and phase of a frequency response: name, unit and values."""
+def _frequency_response(item: dict[str, Any], folder: str) -> list[Signal]:
+    """Return frequency, amplitude and phase of a frequency response."""
     H, over = np.asarray(item["data"]), _stated(item, "orddenom_axis_units_lab") or "N"
     name = _RESPONSE_TYPES.get(int(item["ordinate_spec_data_type"]), "response")
     unit = _stated(item, "ordinate_axis_units_lab")
-    yield "frequency", "Hz", np.asarray(item["x"], dtype=np.float64)
-    yield name, unit if unit is None or unit.endswith(f"/{over}") else f"{unit}/{over}", np.abs(H)
-    yield "phase", "rad", np.angle(H)
+    per_force = unit if unit is None or unit.endswith(f"/{over}") else f"{unit}/{over}"
+    return [
+        Signal("frequency", np.asarray(item["x"]), {"unit": "Hz"}, folder),
+        Signal(name, np.abs(H), {"unit": per_force}, folder),
+        Signal("phase", np.angle(H), {"unit": "rad"}, folder),
+    ]
 
 
 def tdms_file(path: Path) -> Table:
@@ -205,10 +199,7 @@ def tdms_file(path: Path) -> Table:
             raise RecordError(f"{path}: is damaged or was cut short ({first})")
         several = len({c.group_name for c in signals}) > 1
         channels = [
-            described(
-                *(path, c.name, len(c), dict(c.properties), unit_among(c.properties)),
-                folder=f"{c.group_name}/" if several else "",
-            )
+            described(path, c.name, len(c), c.properties, f"{c.group_name}/" * several)
             for c in signals
         ]
         names = [(c.group_name, c.name) for c in signals]
@@ -268,23 +259,18 @@ def lvm_file(path: Path) -> Table:
         remedy = "a record has one: keep that of one level"
         raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
     segment = document[0]
-    names = [name.strip() for name in segment["Channel names"]]
-    data = segment["data"]
-    if "Comment" in names:
-        data, names = data[:, : names.index("Comment")], names[: names.index("Comment")]
+    names, data = [name.strip() for name in segment["Channel names"]], segment["data"]
     steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
     units = iter(segment.get("Y_Unit_Label", []))
-    channels = []
-    for name in names:
+    signals = []
+    for name, values in zip(names[: [*names, "Comment"].index("Comment")], data.T, strict=False):
         if name == "X_Value":
-            channels.append(RawChannel("time", "s", len(data), label=name))
+            signals.append(Signal(name, values, {"unit": "s"}))
             continue
         step, start = next(steps, 0.0), next(starts, 0.0)
         timing = {"dt": step, "t0": start} if step > 0.0 else {}
-        unit = next(units, "").strip() or None
-        channels.append(described(path, name, len(data), timing, unit))
-    even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
-    # the header has the digits that a column of times lacks
-    kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
-    channels = [channels[i] for i in kept]
-    return Table(path, channels, lambda wanted: [data[:, kept[i]] for i in wanted])
+        signals.append(Signal(name, values, timing | {"unit": next(units, "")}))
+    if all("dt" in of.stated for of in signals if of.label != "X_Value"):
+        # the header has the digits that a column of times lacks
+        signals = [of for of in signals if of.label != "X_Value"]
+    return table_of(path, signals)
