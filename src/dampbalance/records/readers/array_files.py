@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import nullcontext, suppress
 from pathlib import Path
@@ -165,17 +164,15 @@ def numpy_file(path: Path) -> Table:
     column of one that has them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects
     are passed over."""
     held = {}
-    packed = zipfile.is_zipfile(path)
-    with (
-        open(path, "rb") as stream,
-        np.load(stream) if packed else nullcontext({"": path}) as arrays,
-    ):
-        for name in arrays:
-            try:
-                held[name] = np.array(arrays[name] if name else np.load(path, mmap_mode="r"))
-            except ValueError as error:
-                if "bject" not in str(error):  # objects can neither be loaded nor mapped to memory
-                    raise
+    with open(path, "rb") as stream:
+        packed = stream.peek(2).startswith(b"PK")
+        with np.load(stream) if packed else nullcontext({"": path}) as arrays:
+            for name in arrays:
+                try:
+                    held[name] = np.array(arrays[name] if name else np.load(path, mmap_mode="r"))
+                except ValueError as error:
+                    if "bject" not in str(error):  # objects can neither be loaded nor mapped
+                        raise
     if not held:
         remedy = "save its signals as arrays of numbers"
         raise RecordError(
