@@ -461,7 +461,7 @@ def test_what_is_no_file(tmp_path):
     refused(tmp_path / "run.mf4", r"unknown suffix '\.mf4'; records end in \.csv")
 
 
-SAMPLES = {".csv": "delimited text", ".parquet": "Parquet", ".mat": "MATLAB 5", ".h5": "HDF5"}
+SAMPLES = {".csv": "delimited text", ".parquet": "Parquet", ".mat": "MATLAB", ".h5": "HDF5"}
 SAMPLES |= {".uff": "a universal file", ".tdms": "TDMS", ".wav": "WAV"}
 
 

@@ -5,34 +5,21 @@ record = read("level1.mat")                         # mapping next to it, or nam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 from ... import arguments
 from ..channel import QUANTITIES
-from ..errors import RecordError, RecordWarning
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..proposal import suggested_mapping
 from ..recognise import picks_of, recognise
 from ..record import Record
 from ..table import Table, intact
-from .array_files import hdf5_file, json_file, matlab_file, numpy_file
-from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
 from .formats import FORMATS, checked_format
-from .spreadsheets import spreadsheet_file
 from .text import text_file
 
-__all__ = [
-    "FORMATS",
-    "RecordError",
-    "RecordWarning",
-    "mapping_to_start_from",
-    "opened",
-    "quantities_of",
-    "read",
-    "table",
-]
+__all__ = ["FORMATS", "mapping_to_start_from", "opened", "quantities_of", "read", "table"]
 
 
 def read(path: str | Path, mapping: MappingLike = None) -> Record:
@@ -65,11 +52,10 @@ def table(path: str | Path, mapping: MappingLike = None) -> Table:
     """Return the table of a file: names, units and rates of its channels, and their samples as recorded, which are
     loaded where they are asked for. Raises RecordError as `read`."""
     path, rules = _named(path, mapping)
-    content = checked_format(path)
-    what = FORMATS["matlab" if content == "matlab73" else content].title
-    with intact(path, what):
-        file = text_file(path, rules) if content == "text" else _OPENERS[content](path)
-    return replace(file, what=what)
+    kind = checked_format(path)
+    with intact(path, kind.title):
+        file = text_file(path, rules) if kind.read is text_file else kind.read(path)
+    return replace(file, what=kind.title)
 
 
 def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
@@ -89,19 +75,3 @@ def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:
     file = arguments.path("path", path, "the path of a record")
     return file, mapping_for(file, mapping)
-
-
-_OPENERS: dict[str, Callable[[Path], Table]] = {  # each imports its library
-    "parquet": parquet_file,
-    "hdf5": hdf5_file,
-    "matlab73": hdf5_file,
-    "matlab": matlab_file,
-    "uff": uff_file,
-    "tdms": tdms_file,
-    "wav": wav_file,
-    "lvm": lvm_file,
-    "spreadsheet": spreadsheet_file,
-    "npy": numpy_file,
-    "npz": numpy_file,
-    "json": json_file,
-}
