@@ -441,7 +441,7 @@ def test_parquet_with_text_and_nulls(tmp_path):
     frame.to_parquet(path)
     refused(path, r"sample 8: channel 'acc' is empty")
     pd.DataFrame({"time_s": T, "base_mm": Y, "acc_g": list("abcdefgh")}).to_parquet(path)
-    refused(path, r"column 'acc_g' holds .*string, not numbers")
+    refused(path, r"column 'acc_g' holds texts")
 
 
 def test_matlab_without_numbers(tmp_path):

@@ -113,15 +113,25 @@ def tail(path: Path, rows: str, first: int, last: int) -> str:
     return f"{path}: text after the last row of numbers, {where}, is left aside"
 
 
+class Unread(NamedTuple):
+    """An array in a file, of which parts are read when they are asked for."""
+
+    shape: tuple[int, ...]
+    read: Callable[[Any], Any]
+
+    def __getitem__(self, part: Any) -> Any:
+        return self.read(part)
+
+
 class Signal(NamedTuple):
-    """Samples under a label: an array, or what has the shape of one and gives its parts by their indices.
+    """Samples under a label: an array, or an `Unread` one.
 
     stated : what is known of them, whatever it is called; unit, rate, step and first time are taken from it.
     folder : that they stand in, up to its last slash.   stamps : whether they are points in time, now in s.
     """
 
     label: str
-    samples: Any
+    samples: np.ndarray[Any, Any] | Unread
     stated: Mapping[str, object] = ReadOnly({})
     folder: str = ""
     stamps: bool = False
@@ -266,7 +276,10 @@ def _samples(values: Any) -> tuple[Any, bool]:
         values = np.array(values, dtype="datetime64[ns]")
         values[masked] = np.datetime64("NaT")
     array = values if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
-    if array.dtype.kind not in "mM":
-        return array, False
-    origin = array[:1] if array.dtype.kind == "M" else np.zeros(1, array.dtype)
-    return (array - origin) / np.timedelta64(1, "s"), True
+    return (in_seconds(array), True) if array.dtype.kind in "mM" else (array, False)
+
+
+def in_seconds(times: Any) -> Any:
+    """Return points in time in s from the first on, or spans in s."""
+    origin = times[:1] if times.dtype.kind == "M" else np.zeros(1, times.dtype)
+    return (times - origin) / np.timedelta64(1, "s")

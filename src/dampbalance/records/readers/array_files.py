@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import nullcontext, suppress
+from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..errors import RecordError, library
-from ..table import TIMING_NAMES, UNIT_NAMES, Signal, Table, signals_file, table_of
+from ..table import TIMING_NAMES, UNIT_NAMES, Signal, Table, Unread, signals_file, table_of
 from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
@@ -24,18 +25,6 @@ _TIMES = ("t", "time", "times", "timestamp", "timestamps", "zeit")
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
-class _Dataset(NamedTuple):
-    """An array in an HDF5 file, read when a part of it is asked for."""
-
-    path: Path
-    name: str
-    shape: tuple[int, ...]
-
-    def __getitem__(self, part: Any) -> Any:
-        with library("h5py", "HDF5").File(self.path, "r") as file:
-            return file[self.name][part]
-
-
 def hdf5_file(path: Path) -> Table:
     """Return the table of an HDF5 file, or of one of MATLAB 7.3: every array of numbers in it is a channel, by its
     path.
@@ -44,6 +33,11 @@ def hdf5_file(path: Path) -> Table:
     to it.
     """
     h5py = library("h5py", "HDF5")
+
+    def read(name: str, part: Any) -> Any:
+        with h5py.File(path, "r") as file:
+            return file[name][part]
+
     with h5py.File(path, "r") as file:
         datasets = list(_datasets(h5py, file))
         scalars = {
@@ -55,7 +49,7 @@ def hdf5_file(path: Path) -> Table:
         for name, data, stated in datasets:
             if data.ndim in (1, 2) and data.size > 1:
                 folder, slash, last = name.rpartition("/")
-                held = _Dataset(path, name, data.shape)
+                held = Unread(data.shape, partial(read, name))
                 signals.append(Signal(last, held, scalars | stated, folder + slash))
     return table_of(path, signals)
 
@@ -106,7 +100,7 @@ def matlab_file(path: Path) -> Table:
         if np.size(value) == 1 and (last := name.rpartition(".")[2]).lower() in TIMING_NAMES
     }
     signals = [
-        Signal(name, value, stated | {"unit": unit})
+        Signal(name, np.asarray(value), stated | {"unit": unit})
         for name, (value, unit) in fields.items()
         if _is_signal(value)
     ]

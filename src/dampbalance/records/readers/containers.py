@@ -8,16 +8,16 @@ import re
 import tempfile
 import warnings
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
-from ...project.wording import shortened
 from ..errors import RecordError, library
 from ..headings import quantity_of, words_of
-from ..table import RawChannel, Signal, Table, described, table_of, unit_among
+from ..table import RawChannel, Signal, Table, Unread, in_seconds, table_of, unit_among
 from ..units import split_label
 
 # universal files: the function types of a time response and of a frequency response, what a channel without a name
@@ -34,40 +34,24 @@ _NO_SIZE = (0, 0xFFFFFFFF)  # a program writes these before it knows how long a 
 def parquet_file(path: Path) -> Table:
     """Return the table of a Parquet file; the unit of a column from its field's metadata, else from its name. Points in
     time are read as s from the first on."""
-    types, parquet = (library(f"pyarrow.{name}", "Parquet") for name in ("types", "parquet"))
+    pyarrow, parquet = library("pyarrow", "Parquet"), library("pyarrow.parquet", "Parquet")
 
-    def is_time(kind: Any) -> bool:
-        return bool(types.is_timestamp(kind) or types.is_duration(kind))
+    def is_time(field: Any) -> bool:
+        return bool(pyarrow.types.is_timestamp(field.type) or pyarrow.types.is_duration(field.type))
 
-    def channel(field: Any) -> RawChannel:
-        if is_time(field.type):
-            return RawChannel(field.name, "s", size, label=field.name, stamps=True)
-        metadata = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
-        return described(path, field.name, size, {"unit": unit_among(metadata)})
+    def read(field: Any, part: Any) -> Any:
+        with parquet.ParquetFile(path) as file:
+            values = file.read(columns=[field.name]).column(0).to_numpy()
+        return (in_seconds(values) if is_time(field) else values)[part]
 
     with parquet.ParquetFile(path) as file:
-        fields, size = list(file.schema_arrow), file.metadata.num_rows
-        channels = [channel(field) for field in fields]
-
-    def numbers(column: Any, kind: Any, name: str) -> Any:
-        held = kind.value_type if types.is_dictionary(kind) else kind
-        numeric = types.is_integer, types.is_floating, types.is_decimal, is_time
-        if not any(is_kind(held) for is_kind in numeric):
-            what = shortened(str(kind))[1:-1]
-            raise RecordError(f"{path}: column {shortened(name)} holds {what}, not numbers")
-        values = column.to_numpy()
-        if not is_time(kind):
-            return values
-        if types.is_timestamp(kind) and len(values):
-            values = values - values[0]  # exact: 19 digits
-        return values / np.timedelta64(1, "s")
-
-    def load(wanted: Sequence[int]) -> list[Any]:
-        with parquet.ParquetFile(path) as file:
-            table = file.read(columns=sorted({fields[i].name for i in wanted}))
-        return [numbers(table.column(f.name), f.type, f.name) for f in (fields[i] for i in wanted)]
-
-    return Table(path, channels, load)
+        fields, shape = list(file.schema_arrow), (file.metadata.num_rows,)
+    signals = []
+    for field in fields:
+        stated = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
+        unit, held = {"unit": unit_among(stated)}, Unread(shape, partial(read, field))
+        signals.append(Signal(field.name, held, unit, "", is_time(field)))
+    return table_of(path, signals)
 
 
 def uff_file(path: Path) -> Table:
@@ -183,12 +167,17 @@ def tdms_file(path: Path) -> Table:
     complaints = io.StringIO()
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages
+
+    def read(group: str, name: str, part: Any) -> Any:
+        with open(path, "rb") as stream:
+            return nptdms.TdmsFile.open(stream)[group][name][:][part]
+
     # the file alone, not an index that may lie next to it
     with open(path, "rb") as stream:
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
-        signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
-        if not signals:
+        channels = [c for c in every if c.dtype.kind in "fiu" and len(c)]
+        if not channels:
             remedy = "it was cut short, or the recording was not closed"
             raise RecordError(f"{path}: holds no channel of numbers; {remedy}")
         if file.file_status.incomplete_final_segment:
@@ -197,19 +186,15 @@ def tdms_file(path: Path) -> Table:
             )
         if first := complaints.getvalue().partition("\n")[0]:
             raise RecordError(f"{path}: is damaged or was cut short ({first})")
-        several = len({c.group_name for c in signals}) > 1
-        channels = [
-            described(path, c.name, len(c), c.properties, f"{c.group_name}/" * several)
-            for c in signals
+        several = len({c.group_name for c in channels}) > 1
+        signals = [
+            Signal(
+                *(c.name, Unread((len(c),), partial(read, c.group_name, c.name)), c.properties),
+                folder=f"{c.group_name}/" * several,
+            )
+            for c in channels
         ]
-        names = [(c.group_name, c.name) for c in signals]
-
-    def load(wanted: Sequence[int]) -> list[Array]:
-        with open(path, "rb") as stream:
-            file = nptdms.TdmsFile.open(stream)
-            return [file[group][name][:] for group, name in (names[i] for i in wanted)]
-
-    return Table(path, channels, load)
+    return table_of(path, signals)
 
 
 def wav_file(path: Path) -> Table:
@@ -235,13 +220,13 @@ def wav_file(path: Path) -> Table:
     table = data.reshape(len(data), -1)
     full = 2.0 ** (8 * data.dtype.itemsize - 1) if data.dtype.kind in "iu" else 1.0
     zero = full if data.dtype.kind == "u" else 0.0
-    names = [f"channel {i + 1}" for i in range(table.shape[1])]
-    channels = [RawChannel(name, size=len(table), rate_hz=float(rate)) for name in names]
 
-    def load(wanted: Sequence[int]) -> list[Array]:
-        return [(np.asarray(table[:, i], dtype=np.float64) - zero) / full for i in wanted]
+    def read(i: int, part: Any) -> Array:
+        return ((np.asarray(table[:, i], dtype=np.float64) - zero) / full)[part]
 
-    return Table(path, channels, load)
+    sizes, known = table.shape[:1], {"sample_rate_hz": rate}
+    signals = (Unread(sizes, partial(read, i)) for i in range(table.shape[1]))
+    return table_of(path, [Signal(f"channel {i}", of, known) for i, of in enumerate(signals, 1)])
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
