@@ -18,7 +18,7 @@ from ..motion.orbit import Orbit
 from ..motion.sliders import SlidersOrbit
 from ..motion.transient import transient
 from .channel import ABSOLUTE, EXCITATIONS, RELATIVE, RESPONSES, ROTATING, Channel, sample_times
-from .coordinate import TRANSLATION, Coordinate
+from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .record import Record
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def measured_orbit(
             rms = math.sqrt(float(np.mean(values**2)))
             values = values + part * rms * random.standard_normal(count)
         measured.append(Channel(quantity, t, values))
-    unit = _coordinate(measured).unit("m")
+    unit = _coordinate(channels).unit("m")
     return Record.of(source or f"simulated, Y = {motion.Y:g} {unit}", measured)
 
 
@@ -151,14 +151,13 @@ def measured_ring_down(
         values[free] = signals[own]
         spread = noise * float(np.abs(values).max())
         measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
-    unit = _coordinate(measured).unit
+    unit = _coordinate(channels).unit
     source = f"simulated, x = {x:g} {unit('m')}, v = {v:g} {unit('m/s')}"
     return Record.of(source, measured)
 
 
-def _coordinate(channels: Sequence[Channel]) -> Coordinate:
-    """Return the coordinate of channels that are to become a record, which refuses to have none."""
-    return channels[0].coordinate if channels else TRANSLATION
+def _coordinate(quantities: Sequence[str]) -> Coordinate:
+    return ROTATION if {*quantities} & ROTATING.keys() else TRANSLATION
 
 
 def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:

@@ -265,10 +265,10 @@ class _Layout:
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
-        numbered = enumerate(_lines(self.path, self.encoding), start=1)
-        for number, line in itertools.islice(numbered, self.header_lines, None):
-            if cells := cells_of(line, self.delimiter, self.comment):
-                yield number, cells
+        with open(self.path, encoding=self.encoding, errors="replace") as stream:
+            for number, line in itertools.islice(enumerate(stream, 1), self.header_lines, None):
+                if cells := cells_of(line, self.delimiter, self.comment):
+                    yield number, cells
 
     def place(self, sample: int) -> str:
         """Return the line of a row, counted from 1."""
@@ -353,11 +353,8 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     text after the last row are left aside, with a warning.
     """
     encoding = _encoding(path)
-    lines: list[str] = []
-    for line in itertools.islice(_lines(path, encoding), _SAMPLE_LINES):
-        lines.append(line)
-        if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
-            break
+    with open(path, encoding=encoding, errors="replace") as stream:
+        lines = stream.readlines(_SAMPLE_CHARACTERS)[:_SAMPLE_LINES]
     begun = (line.lstrip()[:1] for line in lines)
     comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
     possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS
@@ -390,9 +387,3 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
         ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
     cut = "its last line has no end; if the file was cut, its last number is wrong"
     return Table(path, channels, layout.load, layout.place, "" if ended else f"{path}: {cut}")
-
-
-def _lines(path: Path, encoding: str) -> Iterator[str]:
-    """Yield the lines of a file."""
-    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
-        yield from stream
