@@ -65,6 +65,21 @@ class Coordinate:
             return unit
         return _TOKEN.sub(_rotating, unit)
 
+    def symbol(self, symbol: str) -> str:
+        """Return the symbol of a number: T_k for F_k, J for m."""
+        if self == TRANSLATION:
+            return symbol
+        return "J" if symbol == "m" else f"T{symbol[1:]}" if symbol.startswith("F_k") else symbol
+
+    def noun(self, noun: str) -> str:
+        """Return a noun, or the name of a quantity: angle for displacement, base_angle for base_displacement; anything
+        else as it is."""
+        if self == TRANSLATION:
+            return noun
+        if "_" not in noun:
+            return _WORDS.get(noun, noun)
+        return "_".join(_WORDS.get(one, one) for one in noun.split("_")).replace(" ", "_")
+
     def key(self, name: str) -> str:
         """Return the name of a column or key: T_k_N_m for F_k_N, angular_velocity_rad_per_s for velocity_m_per_s."""
         if self == TRANSLATION:
