@@ -59,8 +59,7 @@ class Finding:
     @property
     def kind(self) -> tuple[Any, ...]:
         """Code and all that is no plain number: equal for findings that one sentence may state, with ranges."""
-        words = ((key, v) for key, v in self.numbers.items() if not isinstance(v, float | int))
-        return self.code, *self.numbers, *words
+        return self.code, *((key, _words_in(value)) for key, value in self.numbers.items())
 
     @property
     def pages(self) -> list[str]:
@@ -72,6 +71,13 @@ class Finding:
         """Return it by the keys of the document."""
         numbers = {key: _plain(value) for key, value in self.numbers.items()}
         return {"code": self.code, "numbers": numbers, "effect": dict(self.effect), "of": self.of}
+
+
+def _words_in(value: Any) -> Any:
+    """Return what two values must share for a range of both."""
+    if isinstance(value, Finding):
+        return value.kind
+    return ... if isinstance(value, float | int) and not isinstance(value, bool) else value
 
 
 def _plain(value: Any) -> Any:

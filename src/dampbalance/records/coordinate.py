@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..model import named_with_unit
-from ..project.wording import Remark
 
 # a unit behind a number, within brackets, or behind "in"; not one that is exchanged already
 _UNIT_IN_TEXT = re.compile(
@@ -117,18 +116,6 @@ class Coordinate:
             for x, theta in _DRAWN.items():
                 text = text.replace(x, theta)
         return self.text(text, names)
-
-    def remark(self, remark: Remark, names: Iterable[str] = ()) -> Remark:
-        """Return a remark in the words of the coordinate; it keeps its numbers, and what it doubts."""
-        if self == TRANSLATION:
-            return remark
-        parts = [self.text(of, names) if isinstance(of, str) else of for of in remark.of]
-        template, words = (self.text(of, names) for of in (remark.template, remark.words))
-        if Remark(template, *parts).words != words:  # a unit shows only behind its number
-            template, parts = words, []
-        return Remark(
-            template, *parts, source=remark.source, doubts=remark.doubts, spares=remark.spares
-        )
 
     def document(self, value: Any, names: Collection[str] = ()) -> Any:
         """Return plain data with the keys and the sentences of the coordinate."""
