@@ -61,9 +61,8 @@ SENTENCES: MutableMapping[str, Sentence] = {
     "spike": Sentence("a spike: {value:.6g} where {expected:.6g} is expected"),
     "drop-out": Sentence("a drop-out: {samples:.0f} samples hold the value {value:.6g}"),
     "clipped": Sentence(
-        "{quantity} is clipped: in {cycles:.0f %} of the cycles several samples hold the extreme value; amplitude and "
-        "harmonics are too small",
-        "raise the measuring range, unless the {mass} stops there",
+        "{quantity} is clipped: in {cycles:.0f %} of the cycles several samples hold the extreme value",
+        "amplitude and harmonics are too small; raise the measuring range, unless the {mass} stops there",
         page="clipped",
     ),
     "clipped decay": Sentence(
@@ -188,9 +187,8 @@ SENTENCES: MutableMapping[str, Sentence] = {
     ),
     "hints": Sentence(
         "the records hint at {causes}: it would explain {fall:.0f} of χ², but the energy balance contradicts the "
-        "numbers that follow, and is nearer to those of the fit without it, which are the answer; the intervals "
-        "include both",
-        "{first:remedies}",
+        "numbers that follow, and is nearer to those of the fit without it, which are the answer",
+        "the intervals include both; {first:remedies}",
     ),
     "far from all": Sentence(
         "the records are not those of one {mass} on a spring, a damper and one friction contact: the closest fit of "
@@ -275,9 +273,9 @@ SENTENCES: MutableMapping[str, Sentence] = {
         "the records show neither {F_k} nor K_z: c is taken from W = b c"
     ),
     "hardly any friction": Sentence(
-        "the records show hardly any friction, and no K_z: {limits:limits} at 95 %[unsure? if the contact slips; that "
-        "it only sticks, whatever {F_k} is, they do not exclude: give the {mass} (--{mass}), or add records at another "
-        "frequency]"
+        "the records show hardly any friction, and no K_z: {limits:limits} at 95 %[unsure? if the contact slips]",
+        "[unsure?that it only sticks, whatever {F_k} is, they do not exclude: give the {mass} (--mass), or add records "
+        "at another frequency]",
     ),
     "onset of the closest": Sentence(
         "slip onset could not be detected: the stick distance is taken from the closest fit"
@@ -347,10 +345,7 @@ SENTENCES: MutableMapping[str, Sentence] = {
     "corner along": Sentence(
         "the fit includes an AC coupling of the channel with a corner of {size:± Hz}", page="corner"
     ),
-    "spring along": Sentence(
-        "the fit includes a spring that stiffens or softens with its deflection ({value:measured})",
-        page="k-3",
-    ),
+    "included": Sentence("the fit includes {what} ({value:measured})"),
     "unexplained decays": Sentence(
         "friction and viscous damping do not account for the decays ({p:p-value}): [falls?a friction that falls with "
         "the speed, or damping that grows less with it than viscous damping does,|{what}] would explain most of it "
@@ -387,8 +382,8 @@ SENTENCES: MutableMapping[str, Sentence] = {
     ),
     "conditional": Sentence(
         "All numbers are conditional on the [k?stiffness and the ]gains, which the records alone hardly test, or not "
-        'at all[state?: state their uncertainties (--stiffness "{k:g} ± 1 %")[weigh? and give the {mass} (--{mass}), '
-        "which tests them]|[weigh?: give the {mass} (--{mass}), which tests them]]."
+        'at all[state?: state their uncertainties (--stiffness "{k:g} ± 1 %")[weigh? and give the {mass} (--mass), '
+        "which tests them]|[weigh?: give the {mass} (--mass), which tests them]]."
     ),
     "depends": Sentence("An error of {effects:effects}."),
     # --- why records give no numbers ----------------------------------------------------------------
@@ -506,7 +501,7 @@ SENTENCES: MutableMapping[str, Sentence] = {
         "is of all."
     ),
     "friction of each": Sentence(
-        "The friction force differs from record to record, {forces:each N}: F_k is [N?that at N = {N:4 N}|their mean]."
+        "The friction force differs from record to record, {forces:each}: F_k is [N?that at N = {N:4 N}|their mean]."
     ),
     "parallel spring": Sentence("A spring of k = {k:± N/m} acts in parallel to the contact."),
     "rounded knee": Sentence(
