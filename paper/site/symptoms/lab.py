@@ -15,6 +15,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+from dampbalance.identification.symptoms import SYMPTOMS, symptoms_in
 from scipy.signal import lfilter
 
 from dampbalance import BaseMotion, Oscillator, identify, sliders_orbit, steady_orbit, transient
@@ -31,7 +32,6 @@ from dampbalance.figures.style import (
 )
 from dampbalance.identification.identified import Identified
 from dampbalance.identification.screen import in_one
-from dampbalance.identification.symptoms import SYMPTOMS, symptoms_in
 from dampbalance.motion.distorted import distorted_harmonics
 from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.motion.sliders import spread_contact

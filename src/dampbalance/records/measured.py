@@ -7,14 +7,14 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..arguments import items, path
+from ..findings.finding import Finding
 from ..project.files import sha256
-from ..project.wording import Remark, visible
-from .coordinate import ROTATION, TRANSLATION, Coordinate
+from ..project.wording import visible
+from .coordinate import ROTATION, TRANSLATION
 from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .readers import opened
@@ -28,39 +28,8 @@ if TYPE_CHECKING:
     RecordLike: TypeAlias = "str | Path | Signals | Table | Record"
 
 
-Given = ParamSpec("Given")
-Result = TypeVar("Result")
-
-
 ReaderOfTables: TypeAlias = Callable[[Table, RecordMapping, str], Record | None]
 """Reader of the record in an open table, with what its mapping says and the label of a level without a name."""
-
-
-def in_words_of_records(
-    identified: Callable[Concatenate[tuple[Record, ...], Given], Result],
-) -> Callable[Concatenate[tuple[Record, ...], Given], Result]:
-    """Return a function of records whose errors are in the words and units of their coordinate, and which refuses
-    records of both coordinates with RecordError."""
-
-    @wraps(identified)
-    def worded(records: tuple[Record, ...], /, *args: Given.args, **more: Given.kwargs) -> Result:
-        first: dict[Coordinate, str] = {}
-        for record in records:
-            first.setdefault(record.coordinate, record.name)
-        if len(first) > 1:
-            rotating, other = first[ROTATION], first[TRANSLATION]
-            raise RecordError(
-                f"{rotating} rotates and {other} moves along a line: identify them separately"
-            )
-        try:
-            return identified(records, *args, **more)
-        except ValueError as error:
-            if TRANSLATION in first:
-                raise
-            names = [record.name for record in records]
-            raise type(error)(ROTATION.text(str(error), names)) from error
-
-    return worded
 
 
 def as_records(
@@ -145,25 +114,30 @@ def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str
 
 
 @contextmanager
-def _collected_warnings(name: str) -> Iterator[list[Remark]]:
+def _collected_warnings(name: str) -> Iterator[list[Finding]]:
     """Collect the warnings of readers about a record, once each, without its name, when the block ends."""
-    warned: list[Remark] = []
+    warned: list[Finding] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield warned
-    for one in (w.message.args[0] for w in caught if isinstance(w.message, RecordWarning)):
-        odd = one if isinstance(one, Remark) else Remark(one)
-        parts = (odd.template, *odd.of)
-        nameless = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in parts]
-        remark = Remark(*nameless, doubts=odd.doubts, spares=odd.spares)
-        if remark not in warned:
-            warned.append(remark)
+    for one in (w.message for w in caught if isinstance(w.message, RecordWarning)):
+        words = str(one).removeprefix(f"{name}: ")
+        odd = one.finding or Finding("as read", {"words": words})
+        if odd not in warned:
+            warned.append(odd)
 
 
 def require_different(records: Sequence[Record]) -> None:
-    """Raise ValueError for no records, and for a file named twice, also by a link or another spelling of its path."""
+    """Raise ValueError for no records, for records of both coordinates, and for a file named twice, also by a link or
+    another spelling of its path."""
     if not records:
         raise ValueError("no records are given; name one for each level, or one of a free decay")
+    first = {record.coordinate: record.name for record in reversed(records)}
+    if len(first) > 1:
+        rotating, other = first[ROTATION], first[TRANSLATION]
+        raise RecordError(
+            f"{rotating} rotates and {other} moves along a line: identify them separately"
+        )
     known: dict[tuple[int, int], str] = {}
     for record in records:
         if record.files is None:

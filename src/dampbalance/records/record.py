@@ -14,7 +14,9 @@ import numpy as np
 
 from ..arguments import instance, items, mapping, text
 from ..arrays import ReadOnly
-from ..project.wording import Remark, listed
+from ..findings.finding import Finding
+from ..findings.words import sentence
+from ..project.wording import listed
 from .channel import EXCITATIONS, RESPONSES, Channel, mean_rate, require_one_coordinate
 from .coordinate import TRANSLATION, Coordinate
 from .mapping import RecordMapping
@@ -31,7 +33,7 @@ class Record:
 
     name : for messages and tables; the path of a file.   channels : by quantity, `record["displacement"]`.
     label : of its level, for plots; the name where it is empty.   rules : what its mapping says.
-    warnings : what is odd about it, in words.   files : digests of what it was read from.
+    warnings : what is odd about it.   files : digests of what it was read from.
 
     Raises ValueError naming the record when there is no response, or more than one excitation.
     """
@@ -40,7 +42,7 @@ class Record:
     channels: Mapping[str, Channel]
     label: str = ""
     rules: RecordMapping = field(default_factory=RecordMapping)
-    warnings: tuple[Remark, ...] = ()
+    warnings: tuple[Finding, ...] = ()
     files: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
@@ -131,7 +133,8 @@ class Record:
 
     def __repr__(self) -> str:
         """Return the contents of the record in a line."""
-        held = listed([self.coordinate.text(quantity) for quantity in self.quantities])
+        held = listed([self.coordinate.noun(quantity) for quantity in self.quantities])
         t = max((of.t for of in self.channels.values()), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
-        return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
+        odd = [sentence(one, self.coordinate) for one in self.warnings]
+        return f"<record {self.name}: {'; '.join([held, sampled, *odd])}>"
