@@ -320,7 +320,7 @@ def _unclear(record: Record, k: float, why: str) -> str:
     channel = visible(record.excitation.name) if record.driven else ""
     drives = tuple(map(record.coordinate.noun, EXCITATIONS))
     found = Finding("no decay found", {"channel": channel, "drives": drives, "k": k, "why": why})
-    return f"{record.source}: {sentence(found, record.coordinate)}"
+    return f"{record.name}: {sentence(found, record.coordinate)}"
 
 
 def _signal(record: Record, channel: Channel, offset: int, warnings: list[Finding]) -> Signal:
