@@ -1,6 +1,6 @@
 """A finding: what was seen, with its numbers and what they may do to an answer, and no words.
 
-The words are in `sentences.SENTENCES`, by code; `words.sentence` puts the numbers into them, in the units and nouns of
+The words are in `sentences.toml`, by code; `words.sentence` puts the numbers into them, in the units and nouns of
 a coordinate. To add a finding is a line in that table.
 """
 
