@@ -7,6 +7,7 @@ then holds a picture (NAME.svg) and what was said (NAME.txt).
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from collections.abc import Callable
@@ -15,7 +16,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-from dampbalance.identification.symptoms import SYMPTOMS, symptoms_in
 from scipy.signal import lfilter
 
 from dampbalance import BaseMotion, Oscillator, identify, sliders_orbit, steady_orbit, transient
@@ -263,11 +263,16 @@ def draw(name: str, path: Path) -> None:
 def sentences(name: str) -> tuple[list[str], Identified | None]:
     """Return what is said of the records of a symptom that names it, and what is identified; None where they are
     refused."""
+    page = name.replace("_", "-")
     try:
         result = identified(FAULTS[name])
     except ValueError as error:
-        return [one for one in [str(error)] if name in symptoms_in([one])], None
-    return [one for one in [*result.limiting, *result.rig] if name in symptoms_in([one])], result
+        finding = getattr(error.__cause__, "finding", None)
+        return [str(error)] if finding and page in finding.pages else [], None
+    groups = [*result.limits, *([one] for one in result.rig)]
+    said = [*result.limiting, *result.in_sentences(result.rig)]
+    named = [any(page in one.pages for one in group) for group in groups]
+    return [*itertools.compress(said, named)], result
 
 
 def said(name: str) -> str:
@@ -291,6 +296,6 @@ def said(name: str) -> str:
 
 
 if __name__ == "__main__":
-    for symptom in sys.argv[1:] or SYMPTOMS:
+    for symptom in sys.argv[1:] or FAULTS:
         draw(symptom, Path(f"{symptom}.svg"))
         Path(f"{symptom}.txt").write_text(said(symptom), encoding="utf-8")

@@ -425,7 +425,8 @@ class Identified(ABC):
     def limiting(self) -> list[str]:
         """Limits of the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
         return [
-            ("* " if group[0].of in self.approaches else "warning: ") + self.named(group)
+            ("* " if group[0].of in self.approaches else "warning: ")
+            + in_a_sentence(group, self.sources, self.coordinate)
             for group in self.limits
         ]
 
