@@ -23,18 +23,11 @@ from ..project.wording import listed, shortened, visible
 from ..records import readers
 from ..records.channel import ABSOLUTE, Channel
 from ..records.errors import RecordError
-from ..records.headings import (
-    WORDS,
-    by_unit,
-    full_name,
-    names_time,
-    quantity_of,
-    words_of,
-)
+from ..records.headings import STANDARD_ERROR, column_of, full_name, names_time, words_of
 from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
 from ..records.record import Record
-from ..records.table import RawChannel, Table
-from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
+from ..records.table import Table
+from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, table_factor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,20 +35,6 @@ if TYPE_CHECKING:
 _ORDERS = {"force": 0, "length": 0, "velocity": 1, "acceleration": 2}
 _DRIVES = ("force", *(f"base_{motion}" for motion in ABSOLUTE))
 _RESPONSES = (*ABSOLUTE, *PER_FORCE)
-_ERROR = "_standard_error"
-
-WORDS_OF_TABLES = {
-    "frequency": ("frequency", "freq", "f", "frequenz", "omega", "ω"),
-    "phase": ("phase", "phi", "φ", "phasenwinkel", "phasenlage"),
-    "level": ("level", "stufe", "pegel", "niveau"),
-    "receptance": ("receptance", "compliance", "nachgiebigkeit"),
-    "mobility": ("mobility", "admittanz"),
-    "accelerance": ("accelerance", "inertance"),
-}
-"""Words of the heading of a column of a table, in lower case; those of amplitudes are those of a record."""
-
-_PASSED_OVER = {"amplitude", "amplitudes", "amp", "ampl", "magnitude", "mag", "abs", "peak", "rms"}
-_OF_ERRORS = {"standard", "error", "std", "deviation", "uncertainty"}
 _FEWEST = 3  # lines of a level
 _LARGEST = 1.0  # m, of a displacement
 _TURNS = 4.0 * math.pi  # rad: no phase that is counted on over several turns goes beyond it
@@ -186,7 +165,7 @@ def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
     none of times."""
     if rules.table or rules.channels:
         return bool(rules.table)
-    roles = {_role(raw) for raw in file.channels}
+    roles = {column_of(raw) for raw in file.channels}
     return {"frequency", "phase"} <= roles and not any(map(names_time, file.channels))
 
 
@@ -209,7 +188,7 @@ class _Table:
         self.file, self.rules = file, rules
         self.where = rules.source or f"{file.path}.yaml"
         self.columns: dict[str, dict[Place, int]] = {}
-        recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := _role(raw)))
+        recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := column_of(raw)))
         for role, i in self._named() if rules.table else recognised:
             group, _, number = _parts(file.channels[i].name)
             other = self.columns.setdefault(role, {}).setdefault((group, number), i)
@@ -245,7 +224,10 @@ class _Table:
     def _named(self) -> Iterator[tuple[str, int]]:
         """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
         for quantity, rule in self.rules.table.items():
-            for role, which in ((quantity, rule.channel), (quantity + _ERROR, rule.standard_error)):
+            for role, which in (
+                (quantity, rule.channel),
+                (quantity + STANDARD_ERROR, rule.standard_error),
+            ):
                 yield from ((role, i) for i in self._matching(which, role))
 
     def _matching(self, which: Which | None, role: str) -> list[int]:
@@ -265,7 +247,7 @@ class _Table:
 
     def _factor(self, role: str) -> float:
         """Return SI units per unit of a column; of a standard error those of its quantity."""
-        quantity = role.removesuffix(_ERROR)
+        quantity = role.removesuffix(STANDARD_ERROR)
         rule = self.rules.table.get(quantity, ChannelRule(1))
         raw = self.file.channels[next(iter(self.columns[quantity].values()))]
         words = {*words_of(raw.name)}
@@ -361,10 +343,12 @@ class _Table:
                 at,
             )
         squares = [
-            (si[q + _ERROR] / si[q]) ** 2 for q in (self.drive, self.answer) if q + _ERROR in si
+            (si[q + STANDARD_ERROR] / si[q]) ** 2
+            for q in (self.drive, self.answer)
+            if q + STANDARD_ERROR in si
         ]
         both = [np.sum(squares, axis=0)] if squares else []
-        both += [si[q] ** 2 for q in si if q == "phase" + _ERROR]
+        both += [si[q] ** 2 for q in si if q == "phase" + STANDARD_ERROR]
         error = np.sqrt(np.mean(both, axis=0)) if both else None
         return SteppedLevel(name, omega, Y, X, si["phase"], error, rows)
 
@@ -409,26 +393,6 @@ def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> f
         ones = np.append(np.ones(w.size), np.zeros(w.size))
         total += float(nnls(np.vstack([columns.real, columns.imag]), ones, maxiter=1000)[1]) ** 2
     return total
-
-
-def _role(raw: RawChannel) -> str | None:
-    """Return the quantity of a column of a table, by heading and unit; None where neither says it."""
-    words = [word for word in words_of(raw.name) if not word.isdigit()]
-    ending = _ERROR if {*words} & {"error", "std", "uncertainty"} else ""
-    words = [word for word in words if word not in _PASSED_OVER | _OF_ERRORS]
-    unit = find_unit(raw.unit or "")
-    for role, known in WORDS_OF_TABLES.items():
-        own = unit is None or role in PER_FORCE or unit.dimension == TABLE_DIMENSIONS[role]
-        if own and {*words} & {*known}:
-            return role + ending
-    base = [word for word in words if word in WORDS["base"]]
-    rest = replace(raw, name=" ".join(word for word in words if word not in base))
-    quantity = quantity_of(rest) if rest.name else by_unit(rest)
-    if quantity is None and len(rest.name) == 1:
-        quantity = by_unit(rest)  # F [N], A [g]
-    if quantity in ABSOLUTE and base:
-        quantity = f"base_{quantity}"
-    return f"{quantity}{ending}" if quantity in TABLE_DIMENSIONS else None
 
 
 def _parts(name: str) -> tuple[str, str, int]:

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from ... import arguments
 from ..channel import QUANTITIES
+from ..guess import suggested_mapping
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
-from ..proposal import suggested_mapping
 from ..recognise import picks_of, recognise
 from ..record import Record
 from ..table import Table, intact
