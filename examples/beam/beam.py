@@ -138,7 +138,7 @@ def results_of(
         "windows": windows.loc[shown].to_dict("records"),
         "off_mean": float(off.mean()),
         "off_worst": float(max(off, key=abs)),
-        "rig": list(answer.rig),
+        "rig": answer.in_sentences(answer.rig),
         "best_factor": best_factor(answer, first),
         "limits": answer.limiting,
     }

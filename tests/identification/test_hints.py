@@ -39,8 +39,8 @@ def test_a_departure_that_the_noise_imitates_corrects_nothing(seed):
     assert holds(found)
     assert {found.verdicts[symbol].verdict for symbol in ("F_k", "c")} == {"usable"}
     for one in found.joint.hinted:
-        (said,) = (w for w in found.warnings if w.startswith("the records hint at "))
-        assert one.words in said
+        (said,) = (w for w in found.warnings if w.code == "hints")
+        assert one.departures in said.numbers["causes"]
         # were it there, the number would be the other one
         assert found.intervals["c"].low <= one.fit.c <= found.intervals["c"].high
 

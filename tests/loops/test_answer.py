@@ -14,7 +14,8 @@ from dampbalance.identification.outputs import outputs_of
 from dampbalance.loops import answer
 from dampbalance.loops.fit import SLIDERS, WITHIN, fit_gradual
 from dampbalance.motion.play import play
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from folders import ROOT
 from loops.test_fit import F_K, K_Z, SINE, TRIANGLE, C, T, X, loop, stepped
 
@@ -70,9 +71,10 @@ def test_a_fixture_in_series_makes_the_contact_look_softer():
 def test_what_is_not_determined_is_said():
     found = identify_loops(table(TRIANGLE))
     assert math.isnan(found.values["c"])
-    assert "c is not determined, and F_k includes c times this speed" in found.text()
+    assert [one.code for one in found.verdicts["c"].findings] == ["one speed"]
     stuck = identify_loops(table(0.15 * SINE, noise=1e-3))
-    assert "does not slip in these loops: raise the amplitude" in stuck.no_answer
+    assert stuck.no_answer
+    assert [one.code for one in stuck.answer.notes] == ["loops stick"]
 
 
 def test_the_contact_goes_into_a_response():
@@ -335,7 +337,7 @@ def test_time_in_which_a_channel_is_missing_is_left_out_and_said():
 
     def channels(until, start=0.0):
         force = Channel("force", T[:until] + start, record["force_N"][:until])
-        return Measurement.of("x", [force, Channel("displacement", T, SINE)])
+        return Record.of("x", [force, Channel("displacement", T, SINE)])
 
     found = identify_loops(channels(T.size // 2))
     low, high = found.intervals["F_k"]

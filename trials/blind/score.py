@@ -22,9 +22,9 @@ from .truths import Truth, draw
 FIRST = "first answer"
 # answers that are held against the aims: the first, the balance of energy, and the fit to all records
 HELD = (FIRST, "direct", REFERENCE)
-# words for records that the waveform of no oscillator meets, and for those in which nothing is seen to slip
-MISSED = "the records are not those of one mass"
-NO_ONSET = "those of a linear oscillator within their noise|slips and responds like the records"
+# findings on records that the waveform of no oscillator meets, and for those in which nothing is seen to slip
+MISSED = "far from all"
+NO_ONSET = "stuck|loose|linear|no oscillator"
 VISIBLE = 5.0  # standard errors above which a third harmonic is there to be seen
 SYMBOLS = ("F_k", "c", "K_z")
 MISSED_WAVEFORM = "waveform missed (χ²)"
@@ -87,8 +87,8 @@ def numbers(result: ForcedOutcome, truth: Truth) -> Iterator[dict[str, object]]:
                 "standard_error": parameter.standard_error,
                 "low": parameter.interval.low,
                 "high": parameter.interval.high,
-                "notes": " | ".join(notes),
-                "warnings": " | ".join(result.warnings),
+                "notes": " | ".join(one.code for one in notes),
+                "warnings": " | ".join(one.code for one in result.warnings),
             }
 
 

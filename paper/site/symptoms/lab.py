@@ -7,6 +7,7 @@ then holds a picture (NAME.svg) and what was said (NAME.txt).
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from collections.abc import Callable
@@ -31,12 +32,12 @@ from dampbalance.figures.style import (
 )
 from dampbalance.identification.identified import Identified
 from dampbalance.identification.screen import in_one
-from dampbalance.identification.symptoms import SYMPTOMS, symptoms_in
 from dampbalance.motion.distorted import distorted_harmonics
 from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.motion.sliders import spread_contact
 from dampbalance.project.wording import signed
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 
 TRUTH = Oscillator(m=3.0, c=9.0, k=5200.0, K_z=80_000.0, F_k=2.0)
 HZ, RATE, CYCLES = (
@@ -192,7 +193,7 @@ def levels(fault: Fault) -> np.ndarray:
     return LEVELS if fault.levels is None else fault.levels
 
 
-def records(fault: Fault) -> list[Measurement]:
+def records(fault: Fault) -> list[Record]:
     """Return the records of all levels."""
     random, measured = np.random.default_rng(45), []
     for i, Y in enumerate(levels(fault), start=1):
@@ -200,7 +201,7 @@ def records(fault: Fault) -> list[Measurement]:
         noisy = [one + fault.noise * one.std() * random.standard_normal(t.size) for one in clean]
         noisy[1] = fault.recorder(noisy[1])
         parts = zip(("base_displacement", "displacement"), noisy, strict=True)
-        measured.append(Measurement.of(f"level {i}", [Channel(q, t, of) for q, of in parts]))
+        measured.append(Record.of(f"level {i}", [Channel(q, t, of) for q, of in parts]))
     return measured
 
 
@@ -262,11 +263,16 @@ def draw(name: str, path: Path) -> None:
 def sentences(name: str) -> tuple[list[str], Identified | None]:
     """Return what is said of the records of a symptom that names it, and what is identified; None where they are
     refused."""
+    page = name.replace("_", "-")
     try:
         result = identified(FAULTS[name])
     except ValueError as error:
-        return [one for one in [str(error)] if name in symptoms_in([one])], None
-    return [one for one in [*result.limiting, *result.rig] if name in symptoms_in([one])], result
+        finding = getattr(error.__cause__, "finding", None)
+        return [str(error)] if finding and page in finding.pages else [], None
+    groups = [*result.limits, *([one] for one in result.rig)]
+    said = [*result.limiting, *result.in_sentences(result.rig)]
+    named = [any(page in one.pages for one in group) for group in groups]
+    return [*itertools.compress(said, named)], result
 
 
 def said(name: str) -> str:
@@ -290,6 +296,6 @@ def said(name: str) -> str:
 
 
 if __name__ == "__main__":
-    for symptom in sys.argv[1:] or SYMPTOMS:
+    for symptom in sys.argv[1:] or FAULTS:
         draw(symptom, Path(f"{symptom}.svg"))
         Path(f"{symptom}.txt").write_text(said(symptom), encoding="utf-8")

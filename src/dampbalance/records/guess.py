@@ -18,6 +18,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..project.wording import shortened
+from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, require_one_coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
     STANDARD_ERROR,
@@ -37,7 +38,6 @@ from .headings import (
     words_of,
 )
 from .mapping import RecordMapping
-from .measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, require_one_coordinate
 from .table import Table
 from .units import (
     DIMENSIONS,

@@ -11,8 +11,8 @@ import unicodedata
 from collections.abc import Container
 from dataclasses import replace
 
+from .channel import ABSOLUTE, EXCITATIONS
 from .coordinate import TRANSLATION, Coordinate
-from .measurement import ABSOLUTE, EXCITATIONS
 from .table import RawChannel
 from .units import (
     DIMENSIONS,
