@@ -253,7 +253,7 @@ def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
 
 
 @pytest.mark.parametrize(("name", "factor"), [("Q", 1000.0), ("fast", 1e-3)])
-def test_a_unit_of_one_channel_is_asked_for(name, factor):
+def test_a_unit_of_one_channel_is_asked_for_where_another_fits(name, factor):
     osc, records = rare(name, 1e-3, factor)
     found = identify(records, osc.k)
     asked = {one.numbers["confused"] for one in found.warnings if one.code == "unit"}

@@ -255,7 +255,7 @@ def test_a_mapping_names_the_quantities_of_a_rotation(release):
 
 def test_errors_have_units_of_a_rotation(orbits):
     records = [measured_orbit(o, channels=("base_angle", "angle"), **FORCED) for o in orbits]
-    with pytest.raises(ValueError, match=r"k = 1e\+12 N m/rad and J = 0.0001 kg m²") as error:
+    with pytest.raises(ValueError, match=r"k = 1·10¹² N m/rad and J = 0.0001 kg m²") as error:
         identify(records, 1e12, mass=1e-4)
     assert "give the inertia in kg m² and the stiffness in N m/rad" in str(error.value)
 
