@@ -276,7 +276,7 @@ SENTENCES: MutableMapping[str, Sentence] = {
     ),
     "hardly any friction": Sentence(
         "the records show hardly any friction, and no K_z: {limits:limits} at 95 %[unsure? if the contact slips; that "
-        "it only sticks, whatever {F_k} is, they do not exclude: give the {mass} (--{mass}), or add records at another "
+        "it only sticks, whatever {F_k} is, they do not exclude: give the {mass} (--mass), or add records at another "
         "frequency]"
     ),
     "onset of the closest": Sentence(
@@ -387,8 +387,8 @@ SENTENCES: MutableMapping[str, Sentence] = {
     ),
     "conditional": Sentence(
         "All numbers are conditional on the [k?stiffness and the ]gains, which the records alone hardly test, or not "
-        'at all[state?: state their uncertainties (--stiffness "{k:g} ± 1 %")[weigh? and give the {mass} (--{mass}), '
-        "which tests them]|[weigh?: give the {mass} (--{mass}), which tests them]]."
+        'at all[state?: state their uncertainties (--stiffness "{k:g} ± 1 %")[weigh? and give the {mass} (--mass), '
+        "which tests them]|[weigh?: give the {mass} (--mass), which tests them]]."
     ),
     "depends": Sentence("An error of {effects:effects}."),
     # --- why records give no numbers ----------------------------------------------------------------
@@ -428,6 +428,40 @@ SENTENCES: MutableMapping[str, Sentence] = {
     "not forced": Sentence(
         "the excitation channel is missing or constant, or only strikes: a forced record needs one that keeps moving "
         "({drives}); a free decay is identified by itself (--kind ring-down)"
+    ),
+    # --- laws of damping compared --------------------------------------------------------------------
+    "law": Sentence("the records support {law:law}: the smallest law that they do not reject"),
+    "law by the balance": Sentence(
+        "the records support {law:law}, by the balance alone: no oscillator with such a law and one friction contact "
+        "explains their waveforms; the contact may yield gradually, or a channel may be filtered"
+    ),
+    "laws alike": Sentence(
+        "they do not distinguish it from {laws:laws}: [decays?give decays from higher up, or with less noise|add "
+        "records at other amplitudes or another frequency]"
+    ),
+    "laws of the same loss": Sentence(
+        "the loss alone does not distinguish it from {laws:laws}: the in-phase rows, the stiffness against the "
+        "amplitude, do"
+    ),
+    "no law": Sentence(
+        "no law of {most:.0f} terms or fewer in addition to friction fits: the closest, {law:law}, has a residual "
+        "{times:factor} times the noise in the balance; the levels may differ in more than their amplitude (a "
+        "coefficient for each group of records may help), a gain may be wrong, or another term is missing"
+    ),
+    "no law of decays": Sentence(
+        "no law of {most:.0f} terms or fewer fits: the samples reject the closest, {law:law}, with p = {p:.2g}; give "
+        "decays from higher up, or with less noise, or look for another cause"
+    ),
+    "no law tested": Sentence(
+        "no law can be tested: there are no more records than coefficients; add records at other amplitudes"
+    ),
+    "eta like c": Sentence(
+        "at one frequency structural damping eta acts as viscous damping c does, and is not tried"
+    ),
+    "damping alike in decays": Sentence(
+        "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base "
+        "c_r act like viscous damping c, friction that differs by direction like another position of rest; none is "
+        "tried"
     ),
     # --- a stepped sine -----------------------------------------------------------------------------
     "two levels": Sentence(
