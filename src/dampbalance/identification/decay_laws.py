@@ -110,7 +110,7 @@ def _along(fit: RingFit, symbol: str, effect: Mapping[str, float]) -> Finding:
         return Finding("falls along", of, effect)
     if symbol == CORNER:
         return Finding("corner along", {"size": size}, effect)
-    return Finding("spring along", {"value": (symbol, *size)}, effect)
+    return Finding("included", {"what": _OTHERS[symbol], "value": (symbol, *size)}, effect)
 
 
 def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:

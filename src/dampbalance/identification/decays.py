@@ -322,7 +322,7 @@ def identify_ring_downs(
 def _unclear(record: Measurement, k: float, why: str) -> str:
     """Return how a record without a decay is reported.   k : N/m.   why : empty where the motion is another one."""
     channel = visible(record.excitation.name) if record.driven else ""
-    drives = tuple(map(record.coordinate.noun, EXCITATIONS))
+    drives = ", ".join(map(record.coordinate.noun, EXCITATIONS))
     found = Finding("no decay found", {"channel": channel, "drives": drives, "k": k, "why": why})
     return f"{record.source}: {sentence(found, record.coordinate)}"
 

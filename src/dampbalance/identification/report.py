@@ -48,7 +48,6 @@ from .outputs import PICTURES, pictures_of
 from .screen import (
     answers_table,
     comparison,
-    in_sentences,
     interval_of,
     lead,
     limiting,
@@ -284,7 +283,6 @@ _TEMPLATES.globals |= {
     "explained": _explained,
     "FAULTS": FAULTS,
     "first_check": _first_check,
-    "in_sentences": in_sentences,
     "lead": lead,
     "limiting": limiting,
     "named": named,

@@ -6,7 +6,7 @@ Screen, document, tables, report, pictures and files are functions of a result, 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Generic, NamedTuple, Protocol, 
 
 from ..findings.finding import Finding, grouped
 from ..findings.words import sentence, unit_of
+from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.measured import MeasuredRecord
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
@@ -284,6 +285,10 @@ class Result(Generic[B]):
     def findings(self) -> list[Finding]:
         """What limits the answers, beginning with what may change a number most."""
         return [one for group in self.limits for one in group]
+
+    def in_sentences(self, findings: Iterable[Finding]) -> list[str]:
+        """Return a sentence for each finding, in the words and units of the coordinate."""
+        return [as_sentence(sentence(one, self.coordinate)) for one in findings]
 
     def summary(self) -> pd.DataFrame:
         """Return the answer as a table for a notebook: a line for each number, with unit, value, standard error,

@@ -50,8 +50,8 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     left = max(0, len(own) - _CAUSES)
     causes = [sentence(named(found, of)) for of in own[:_CAUSES]]
     if found.hint and not first and len(causes) < _CAUSES:
-        causes += in_sentences(found, [found.hint])
-    check = agreement(found) if found.check is None else " ".join(in_sentences(found, found.check))
+        causes += found.in_sentences([found.hint])
+    check = agreement(found) if found.check is None else " ".join(found.in_sentences(found.check))
     numbers = wrapped([*damping_of(found), check], width)
     causes = wrapped([f"- {one}" for one in causes], width)
     parts = [causes, table_of(found), numbers] if first else [numbers, causes]
@@ -62,7 +62,7 @@ def screen(found: Result[Any], width: int, details: str) -> str:
 
 def details(found: Result[Any], width: int | None = None) -> str:
     """Return all sentences and tables: see `Result.text`."""
-    said = wrapped(in_sentences(found, [*(found.check or ()), *found.rig]), width)
+    said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
     numbers = [*wrapped([found.head], width), "", *table_of(found), "", *said]
     tests = comparison(found, width)
     numbers += ["", *tests] if tests else []
@@ -107,11 +107,6 @@ def named(found: Result[Any], findings: Sequence[Finding]) -> str:
     if found.answer.name in {one.of for one in findings}:
         return worded(findings, found.coordinate)
     return in_a_sentence(findings, found.sources, found.coordinate)
-
-
-def in_sentences(found: Result[Any], findings: Iterable[Finding]) -> list[str]:
-    """Return a sentence for each finding."""
-    return [sentence(worded(one, found.coordinate)) for one in findings]
 
 
 def measured(symbol: str, text: str, coordinate: Coordinate) -> str:
@@ -262,7 +257,7 @@ def comparison(found: Result[Any], width: int | None) -> list[str]:
         return []
     names, coordinate = found.laws.names, found.coordinate
     title = f"p-value of the residual of each law in the {' and in the '.join(names)}:"
-    said = [*in_sentences(found, found.laws.findings), title]
+    said = [*found.in_sentences(found.laws.findings), title]
     return [*wrapped(said, width), "", *aligned(_tests(found.laws, coordinate))]
 
 
