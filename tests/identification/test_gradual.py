@@ -135,7 +135,7 @@ def records_on(osc, kind, noise, seed):
 
 def said_of(records, k):
     found = identify_readings([read_features(one, k) for one in records], k)
-    inner = {one.code for of in found.warnings for one in within(of.numbers.values())}
+    inner = {one.code for of in found.findings for one in within(of.numbers.values())}
     room = [one.numbers["by"] for one in found.rig if one.code == "contact taken as sudden"]
     return found, "gradual" in inner, room
 

@@ -376,7 +376,7 @@ def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transdu
     x = records[1]["displacement"].values + 0.02
     records[1] = replace(changed(records[1], "displacement", values=x), source="another zero")
     found = identify(records, PAPER.k)
-    for reading, axes in zip(found.readings, found.plot("cycles")[::2], strict=True):
+    for reading, axes in zip(found.basis.readings, found.plot("cycles")[::2], strict=True):
         dots, line = axes.get_lines()[:2]
         on_line = np.interp(dots.get_xdata(), line.get_xdata(), line.get_ydata(), period=360.0)
         # half a degree between the points of the line, and the noise

@@ -24,8 +24,8 @@ from dampbalance.identification.answer import (
 )
 from dampbalance.identification.balance_check import forbidden, notes_on
 from dampbalance.identification.diagnosis import agreement, on_records
-from dampbalance.identification.identified import Identified
 from dampbalance.identification.oscillator import JointFit, Microstick
+from dampbalance.identification.result import Result
 from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import listed, times
 from dampbalance.records.coordinate import TRANSLATION
@@ -166,12 +166,6 @@ def test_an_interval_holds_what_departures_can_do_to_the_number():
     assert np.sqrt(np.diag(wider)) == pytest.approx([error, 0.05, 1000.0])
 
 
-class Both(Identified):
-    """The answers of a balance and a fit, and nothing else."""
-
-    findings = pictures = None
-
-
 @pytest.mark.parametrize(
     ("balance", "fit", "warnings", "first"),
     [
@@ -188,9 +182,8 @@ class Both(Identified):
     ],
 )
 def test_the_first_answer_is_the_one_to_use(balance, fit, warnings, first):
-    kinds = {"head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
-    Both.__abstractmethods__ = frozenset()
-    outcome = Both(estimates={"direct": balance}, reference=fit, warnings=warnings, **kinds)
+    kinds = {"basis": None, "head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
+    outcome = Result(estimates={"direct": balance}, reference=fit, odd=warnings, **kinds)
     assert next(iter(outcome.approaches)) == first
     assert set(outcome.approaches) == {"direct", REFERENCE} - (
         {REFERENCE} if fit is None else set()

@@ -9,7 +9,7 @@ where units are read and where results are shown.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,40 +93,25 @@ class Coordinate:
             name = named_with_unit(name[: ended.start()], self.unit(unit))
         return _SYMBOL.sub("T_k", _WORD.sub(lambda of: _of_word(of[1]).replace(" ", "_"), name))
 
-    def text(self, text: str, names: Iterable[str] = ()) -> str:
-        """Return a sentence with the words, symbols and units of the coordinate.
-
-        names : of records and the like, which stay.
-        """
-        if self == TRANSLATION:
-            return text
-        kept = sorted({n for n in names if self._exchanged(n) != n}, key=len, reverse=True)
-        pieces = re.split(f"({'|'.join(map(re.escape, kept))})", text) if kept else [text]
-        return "".join(self._exchanged(p) if i % 2 == 0 else p for i, p in enumerate(pieces))
-
-    def _exchanged(self, text: str) -> str:
-        text = _WORD.sub(_in_place, text)  # "mm taken for m" before its units
-        text = _UNIT_IN_TEXT.sub(lambda of: self.unit(of[1]), text)
-        text = _SYMBOL.sub(lambda of: "T_k" if of[0] == "F_k" else "J", text)
-        return _IN_HTML.sub("<i>T</i><sub>k</sub>", text)
-
-    def drawn(self, text: str, names: Iterable[str] = ()) -> str:
-        """Return a text of a figure: like `text`, with θ for x."""
-        if self == ROTATION:
-            for x, theta in _DRAWN.items():
-                text = text.replace(x, theta)
-        return self.text(text, names)
+    def label(self, symbol: str, unit: str) -> str:
+        """Return the label of an axis, $x$ (mm) or $\\theta$ (mrad)."""
+        drawn = (
+            self.symbol(symbol)
+            if self == TRANSLATION
+            else self.symbol(symbol).replace("x", r"\theta")
+        )
+        return f"${drawn}$ ({self.unit(unit)})"
 
     def document(self, value: Any, names: Collection[str] = ()) -> Any:
-        """Return plain data with the keys and the sentences of the coordinate."""
+        """Return plain data with the keys of the coordinate.   names : keys that stay, as those of records."""
         if self == TRANSLATION:
             return value
         if isinstance(value, Mapping):
             keys = [key if key in names else self.key(str(key)) for key in value]
             return dict(zip(keys, (self.document(v, names) for v in value.values()), strict=True))
-        if isinstance(value, list | tuple):
-            return [self.document(v, names) for v in value]
-        return self.text(value, names) if isinstance(value, str) else value
+        return (
+            [self.document(v, names) for v in value] if isinstance(value, list | tuple) else value
+        )
 
 
 TRANSLATION = Coordinate("translation")
