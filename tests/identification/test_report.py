@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
-from dampbalance.identification.answer import unit_of
+from dampbalance.findings.words import unit_of
 from dampbalance.identification.document import table as rows_of_table
 from dampbalance.identification.drawing import draw
 from dampbalance.identification.forced import friction_loops
@@ -178,7 +178,7 @@ def test_the_residual_of_a_cycle_is_noise_unless_the_fit_fails(found, kind, larg
 def test_a_decay_fills_the_picture_as_long_as_it_moves(decay):
     panel = decay.plot("decays")[0]
     assert panel.get_position().width > 0.85
-    (start, end), fit = panel.get_xlim(), decay.fit
+    (start, end), fit = panel.get_xlim(), decay.basis.fit
     moves = fit.sticks_from(0)
     assert moves < end - start <= moves + 1.6 * fit.decays[0].period
 

@@ -80,7 +80,7 @@ UNSOLVED = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), n
     ids=["sound", "noted", "unsolved", "missing", "a limit", "narrow", "wide"],
 )
 def test_a_number_that_is_not_usable_has_a_reason(answer, verdicts, codes):
-    assert in_one(answer.verdicts) == verdicts
+    assert in_one(answer.verdicts, TRANSLATION) == verdicts
     for one in answer.verdicts.values():
         assert (one.worded(TRANSLATION).reason == "") == (one.verdict == "usable")
     assert [one.code for one in answer.verdicts["K_z"].findings] == codes
@@ -136,7 +136,7 @@ NEAR = replace(SOUND, name=REFERENCE, balance=None)
 def test_what_is_warned_of_is_doubtful_beyond_the_interval_and_five_percent(doubts, doubtful):
     warning = Finding("asymmetric", {"order": 2, "share": 0.1}, doubts, of="a")
     answers = doubted({"direct": SOUND, REFERENCE: NEAR}, [warning])
-    assert in_one(answers["direct"].verdicts) == "usable within 0.96 %"
+    assert in_one(answers["direct"].verdicts, TRANSLATION) == "usable within 0.96 %"
     judged = answers[REFERENCE].verdicts
     assert [s for s, v in judged.items() if v.verdict == "doubtful"] == doubtful.split()
     assert all(judged[symbol].findings == (warning,) for symbol in doubtful.split())

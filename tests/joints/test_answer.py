@@ -83,7 +83,7 @@ def test_many_sliders_are_found_where_one_is_not_enough(many):
     verdict = many.approaches["one slider"].verdicts["K_z"]
     assert verdict.verdict == "doubtful"
     assert [one.numbers["contact"] for one in verdict.findings] == ["gradual"]
-    assert many.rig[0].numbers["enough"] is False
+    assert many.check[0].numbers["enough"] is False
     X = np.geomspace(3e-5, 3.5e-4, 20)
     omega = 2.0 * np.pi * 51.0
     exact = MANY.loss(X) + np.pi * omega * OSCILLATOR["c"] * X**2
@@ -100,7 +100,7 @@ def test_the_rows_are_the_balance(one):
     phi = np.pi - np.radians(columns["phase_deg"])
     np.testing.assert_allclose(rows["W_J"], np.pi * columns["force_N"] * X * np.sin(phi), rtol=1e-9)
     np.testing.assert_allclose(rows["b_m2_per_s"], np.pi * omega * X**2, rtol=1e-12)
-    travel = 4.0 * np.maximum(X - one.fit.r[0], 0.0)
+    travel = 4.0 * np.maximum(X - one.basis.fits["one slider"].r[0], 0.0)
     np.testing.assert_allclose(rows["a_m"], travel, rtol=1e-9, atol=1e-15)
     law = rows["a_m"] * one.values["F_k"] + rows["b_m2_per_s"] * one.values["c"]
     np.testing.assert_allclose(rows["misfit_J"], law - rows["W_J"], rtol=1e-6, atol=1e-12)
@@ -326,7 +326,8 @@ def test_a_contact_that_sticks_is_none_that_slips():
     free, held = (identify(lines, k, contact="gradual") for k in (None, 2310.0))
     for symbol, value in free.values.items():
         assert held.values[symbol] == pytest.approx(value, rel=1e-3)
-    assert held.fit.stuck == pytest.approx(free.fit.values["k"] - 2310.0, rel=1e-3)
+    of, stuck = (one.basis.fits["gradual"] for one in (free, held))
+    assert stuck.stuck == pytest.approx(of.values["k"] - 2310.0, rel=1e-3)
     assert "natural frequency of 48.87 Hz" in held.text()
 
 

@@ -46,7 +46,8 @@ def test_a_stiffness_is_refused_with_the_remedy():
 
 
 def test_the_friction_coefficient_has_the_uncertainties_of_both_forces():
-    mu, (low, high) = identify_loops(table(), normal_force=(20.0, 1.0)).friction_coefficient
+    found = identify_loops(table(), normal_force=(20.0, 1.0))
+    mu, (low, high) = friction_coefficient(found)
     assert mu == pytest.approx(0.5, rel=0.01)
     assert 0.5 * (high - low) == pytest.approx(1.96 * 0.5 / 20.0, rel=0.05)  # that of N dominates
 
@@ -332,7 +333,7 @@ def test_a_dead_weight_is_a_normal_force(tmp_path):
     columns = np.column_stack([T, SINE, table(c=0.0)["force_N"], np.full(T.size, 20.0)])
     header = "t (s),x (m),Friction (N),Normal (N)"
     np.savetxt(file, columns, delimiter=",", header=header, comments="")
-    mu, (low, high) = identify(file).friction_coefficient
+    mu, (low, high) = friction_coefficient(identify(file))
     assert low < 0.5 < high
     assert mu == pytest.approx(0.5, rel=5e-3)
 

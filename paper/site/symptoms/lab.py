@@ -291,7 +291,7 @@ def said(name: str) -> str:
             f"{s} {signed(100.0 * by, 1)} %" if math.isfinite(by) else f"{s} none" for s, by in off
         ]
         lines.append(f"{label}, off the truth by: {', '.join(parts)}")
-    lines.append(f"Verdict: {in_one(result.answer.verdicts)}.")
+    lines.append(f"Verdict: {in_one(result.answer.verdicts, result.coordinate)}.")
     return "\n".join(lines) + "\n"
 
 
