@@ -173,7 +173,8 @@ class ForcedBasis:
 
         count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
         fit, noun = self.fit, found.coordinate.noun
-        line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
+        slope = found.coordinate.symbol(FRICTION)
+        line = f"on a line of slope {slope}" if two else "on the line where the law takes the input work"
         cycles = (
             f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and its "
             "residual"
