@@ -12,9 +12,9 @@ from .arguments import one_of, shown
 from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
-from .identification.identified import Identified
 from .identification.loading import keeps_moving
 from .identification.request import IN_WORDS, Stated
+from .identification.result import Result
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
 from .loops.answer import identify_loops as identify_loops
@@ -31,7 +31,7 @@ Kind = Literal["recognised", "forced", "ring-down", "stepped-sine", "loops"]
 """Kind of records: as they are recognised, forced, free decays, tables of steady responses to a stepped sine, or loops
 of force against the displacement of a contact."""
 
-WAYS: Mapping[str, Callable[..., Identified]] = {
+WAYS: Mapping[str, Callable[..., Result[Any]]] = {
     "forced": identify_forced,
     "ring-down": identify_decays,
     "stepped-sine": identify_joint,
@@ -90,7 +90,7 @@ def identify(
     mapping: MappingLike = None,
     kind: Kind = "recognised",
     **options: Any,
-) -> Identified:
+) -> Result[Any]:
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
     The records are recognised and handed over: forced records to `identify_forced`, free decays to `identify_decays`,
@@ -138,7 +138,7 @@ def identify(
             raise ValueError(f"{name} = {shown(value)} {words}")
     found = WAYS[kind](records, stiffness, mapping=mapping, **asked)
     if recognised and kind == "loops":
-        found = replace(found, rig=[found.rig[0], Finding("taken for loops"), *found.rig[1:]])
+        found = replace(found, check=[*(found.check or ()), Finding("taken for loops")])
     return found
 
 

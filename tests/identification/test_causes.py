@@ -185,7 +185,7 @@ def test_a_motion_in_the_wrong_frame_is_named_and_the_answer_is_that_of_the_righ
     channel, taken_for, hz, base
 ):
     found = identify_readings(in_frame(channel, taken_for, hz, base), PAPER.k)
-    (said,) = (one for one in found.warnings if one.code == "departs")
+    (said,) = (one for one in found.findings if one.code == "departs")
     (frame,) = said.numbers["causes"]
     assert frame == Finding("frame", {"absolute": not channel.startswith("relative")})
     for symbol in ("F_k", "c"):
@@ -196,7 +196,7 @@ def test_a_motion_in_the_wrong_frame_is_named_and_the_answer_is_that_of_the_righ
 @pytest.mark.parametrize("channel", ["displacement", "relative_displacement"])
 def test_a_motion_in_its_own_frame_is_not_doubted(channel):
     answer = identify_readings(in_frame(channel, channel), PAPER.k)
-    assert not any(one.code == "departs" for one in answer.warnings)
+    assert not any(one.code == "departs" for one in answer.findings)
     assert answer.verdicts["F_k"].verdict == "usable"
 
 
@@ -206,7 +206,7 @@ def test_a_wrong_gain_is_said_with_its_size_and_what_only_a_calibration_tells(ga
     base = "base_displacement"
     records = [changed(r, base, values=(1.0 + gain) * r[base].values) for r in records]
     found = identify(records, PAPER.k)
-    (said,) = (one for one in found.warnings if one.code == "departs")
+    (said,) = (one for one in found.findings if one.code == "departs")
     assert [one.code for one in said.numbers["causes"]] == ["gain"]
     for symbol in ("F_k", "c"):
         low, high = found.intervals[symbol]
@@ -247,15 +247,15 @@ def rare(name, noise, factor=1.0):
 def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
     osc, records = rare(name, noise)
     found = identify(records, osc.k)
-    assert "unit" not in {one.code for one in found.warnings}
+    assert "unit" not in {one.code for one in found.findings}
     assert found.verdicts["F_k"].verdict == "usable"
     assert found.values["F_k"] == pytest.approx(osc.F_k, rel=max(1e-4, 2.0 * noise))
 
 
 @pytest.mark.parametrize(("name", "factor"), [("Q", 1000.0), ("fast", 1e-3)])
-def test_a_unit_of_one_channel_is_asked_for(name, factor):
+def test_a_unit_of_one_channel_is_asked_for_where_another_fits(name, factor):
     osc, records = rare(name, 1e-3, factor)
     found = identify(records, osc.k)
-    asked = {one.numbers["confused"] for one in found.warnings if one.code == "unit"}
+    asked = {one.numbers["confused"] for one in found.findings if one.code == "unit"}
     assert asked == {"mm taken for m"}
     assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}

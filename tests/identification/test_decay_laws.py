@@ -36,7 +36,7 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
     assert result.laws.chosen == ("F_k", "c")
     for symbol, (value, error) in chosen(result.laws).coefficients.items():
         assert value == pytest.approx(result.reference.values[symbol], abs=1e-2 * error)
-        assert error == pytest.approx(result.fit.error(symbol), rel=0.1)
+        assert error == pytest.approx(result.basis.fit.error(symbol), rel=0.1)
     assert "p-value of the residual of each law in the waveforms:" in result.text()
 
 
@@ -57,7 +57,7 @@ def test_decays_under_another_law_are_doubtful_and_its_coefficients_found():
 def test_what_no_law_of_damping_explains_is_named_and_fitted_along():
     decay = departing(SOUND, "cubic", 3, 0.1)
     found = found_in(decay)
-    assert [one.numbers["value"][0] for one in found.warnings if one.code == "included"] == ["k_3"]
+    assert [one.numbers["value"][0] for one in found.findings if one.code == "included"] == ["k_3"]
     for name in ("F_k", "c"):
         off = found.reference.values[name] - getattr(decay, name)
         assert abs(off) < FAR * found.reference.standard_errors[name]
@@ -107,11 +107,13 @@ def test_friction_that_falls_with_the_speed_is_named_and_fitted_along():
     """Of another integrator, 25 % higher at rest: F_k is the force at high speed, and F_k + p that at rest."""
     decay = falling(SOUND, 0.25, 0.15)
     found = found_in(decay)
-    assert "falls along" in {one.code for one in found.warnings}
+    assert "falls along" in {one.code for one in found.findings}
     for symbol in ("F_k", "c"):
         assert found.verdicts[symbol].verdict == USABLE
         assert found.reference.values[symbol] == pytest.approx(getattr(decay, symbol), rel=0.1)
-    assert found.fit.F_k + found.fit.value("falling") == pytest.approx(1.25 * decay.F_k, rel=0.02)
+    assert found.basis.fit.F_k + found.basis.fit.value("falling") == pytest.approx(
+        1.25 * decay.F_k, rel=0.02
+    )
 
 
 def test_an_ac_coupling_of_a_decay_is_named_and_fitted_along():
@@ -124,8 +126,8 @@ def test_an_ac_coupling_of_a_decay_is_named_and_fitted_along():
     found = identify_ring_downs(
         [Record.of("coupled", [Channel(channel.quantity, channel.t, values)])], SOUND.k
     )
-    assert "corner along" in {one.code for one in found.warnings}
-    assert found.fit.value("corner") == pytest.approx(corner, rel=0.05)
+    assert "corner along" in {one.code for one in found.findings}
+    assert found.basis.fit.value("corner") == pytest.approx(corner, rel=0.05)
     for symbol in ("F_k", "c"):
         assert found.verdicts[symbol].verdict == USABLE
         off = found.reference.values[symbol] - getattr(SOUND, symbol)
@@ -163,7 +165,7 @@ def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_st
 
 def test_the_law_of_the_fit_is_the_fit():
     measured, _ = record(SOUND)
-    fit = identify_ring_downs([measured], SOUND.k).fit
+    fit = identify_ring_downs([measured], SOUND.k).basis.fit
     law = fit_law(fit, ("F_k", "c"))
     assert law is not None
     assert law.chi_square == pytest.approx(fit.chi_square, rel=1e-6)

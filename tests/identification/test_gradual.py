@@ -13,7 +13,7 @@ from blind.decays import Decay
 from blind.gradual import CONTACTS, ring_down_on, steady_on
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.findings.finding import within
-from dampbalance.identification.causes import GRADUAL, remark_on
+from dampbalance.identification.causes import GRADUAL, shown_by
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
@@ -100,9 +100,7 @@ def test_a_soft_contact_that_yields_gradually_is_named(kind):
     assert explained[0].names == (GRADUAL,)
     # K_z is too small by many standard errors, and known to be
     assert fit.K_z < 0.9 * SOFT.K_z
-    remark = remark_on(explained, 9.0)
-    assert "identify the distribution" in remark
-    assert remark.doubts["K_z"] > 0.1
+    assert shown_by(explained, 9.0).effect["K_z"] > 0.1
 
 
 def test_a_contact_that_yields_at_once_is_hardly_ever_doubted():
@@ -138,7 +136,7 @@ def records_on(osc, kind, noise, seed):
 
 def said_of(records, k):
     found = identify_readings([read_features(one, k) for one in records], k)
-    inner = {one.code for of in found.warnings for one in within(of.numbers.values())}
+    inner = {one.code for of in found.findings for one in within(of.numbers.values())}
     room = [one.numbers["by"] for one in found.rig if one.code == "contact taken as sudden"]
     return found, "gradual" in inner, room
 

@@ -93,7 +93,7 @@ def test_a_mount_is_identified_by_its_motion_against_the_base(motion, kind):
         assert abs(found.values[symbol] - true) < ERRORS * error < bound * true, symbol
         assert found.verdicts[symbol].verdict == "usable"
     assert abs(found.mass - MOUNT.m) < ERRORS * found.mass_error + 0.001
-    assert found.warnings == ()
+    assert found.findings == ()
 
 
 def test_a_mount_that_is_taken_for_a_contact_to_the_ground_is_named(motion):
@@ -114,7 +114,7 @@ def test_a_contact_to_the_ground_is_not_taken_for_a_mount():
         for i, o in enumerate(orbits)
     ]
     for given in ({"mass": PAPER.m}, {"mass": 1.2 * PAPER.m}):  # the wrong mass fits neither
-        assert not [w for w in identify(made, PAPER.k, **given).warnings if w.code == "mount"]
+        assert not [w for w in identify(made, PAPER.k, **given).findings if w.code == "mount"]
 
 
 @pytest.mark.parametrize("kind", ["absolute", "relative"])
@@ -162,9 +162,9 @@ def test_a_fixture_above_a_load_cell_moves_along(given):
     assert found.natural_frequency == pytest.approx(
         math.sqrt(PAPER.k / PAPER.m) / (2.0 * math.pi), rel=1e-3
     )
-    assert found.warnings == ()
+    assert found.findings == ()
     if given:
-        (said,) = (w for w in identify(made, PAPER.k, **given).warnings if w.code == "mass")
+        (said,) = (w for w in identify(made, PAPER.k, **given).findings if w.code == "mass")
         assert (said.numbers["masses"][1], said.numbers["fixture"]) == (2.42, True)
 
 
@@ -211,7 +211,7 @@ def test_a_coefficient_that_is_given_is_known_at_the_true_stiffness_alone(symbol
     assert found.mass == pytest.approx(LIGHT.m, rel=1e-5)
     for other, value in found.values.items():
         assert abs(value - getattr(LIGHT, other)) < ERRORS * found.standard_errors[other]
-    assert "departs" not in {one.code for one in found.warnings}
+    assert "departs" not in {one.code for one in found.findings}
 
 
 @pytest.mark.parametrize("drive", ["base_displacement", "force"])
@@ -225,7 +225,7 @@ def test_a_stiffness_that_is_stated_too_high_is_named_where_nothing_slips(drive,
 
     def said(factor, **options):
         found = identify(made, factor * PAPER.k, **options)
-        return found, [w for w in found.warnings if w.code == "too stiff"]
+        return found, [w for w in found.findings if w.code == "too stiff"]
 
     found, (warning,) = said(1.0 + share, mass=PAPER.m)
     assert warning.numbers["too_high"] == pytest.approx(share, abs=5e-3)
@@ -274,7 +274,7 @@ def test_what_a_force_does_not_allow_is_named(given, words):
 
 def on_the_mass(k, m):
     found = identify(forced(), k, mass=m)
-    return next((sentence(w, TRANSLATION) for w in found.warnings if w.code == "mass"), "")
+    return next((sentence(w, TRANSLATION) for w in found.findings if w.code == "mass"), "")
 
 
 @pytest.mark.parametrize(

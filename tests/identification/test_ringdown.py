@@ -69,9 +69,9 @@ def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
     measured, free = record(decay, seed)
     found = identify_ring_downs([measured], decay.k)
     period = 2.0 * math.pi / decay.omega_n
-    starts = [one.start for one in found.fit.decays]
+    starts = [one.start for one in found.basis.fit.decays]
     np.testing.assert_allclose(starts, free, rtol=0, atol=0.1 * period)
-    ends = [one.end for one in found.fit.decays]
+    ends = [one.end for one in found.basis.fit.decays]
     assert all(end <= start for end, start in zip(ends, starts[1:], strict=False))
     holds(found, decay)
 
@@ -82,11 +82,11 @@ def test_a_release_tells_friction_damping_and_contact(quantity):
     whole = decay == PLUCKED
     result = plucked() if whole else identify_ring_downs([record(decay)[0]], decay.k)
     holds(result, decay)
-    assert result.fit.adequate
+    assert result.basis.fit.adequate
     # 1 % noise over 12 half cycles leaves 2 % to the fit; see below for the balance
-    assert result.fit.error("F_k") < 0.02 * decay.F_k
+    assert result.basis.fit.error("F_k") < 0.02 * decay.F_k
     assert result.estimates["balance"].standard_errors["F_k"] < 0.08 * decay.F_k
-    assert result.fit.m == pytest.approx(decay.m, abs=FAR * result.fit.error("m"))
+    assert result.basis.fit.m == pytest.approx(decay.m, abs=FAR * result.basis.fit.error("m"))
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
@@ -95,7 +95,7 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
         OSCILLATOR, x=5e-3, rate_hz=500.0, duration=5.0, held=0.2, channels=(quantity,)
     )
     result = identify_ring_downs([clean], OSCILLATOR.k)
-    assert result.fit.adequate
+    assert result.basis.fit.adequate
     for symbol in SYMBOLS:
         truth = getattr(OSCILLATOR, symbol)
         # where a climb ends: 1e-4 of the errors that the least noise assumed, 3e-6 of the swing, leaves: 3e-5 of c
@@ -152,7 +152,7 @@ def scattering():
 
 def test_releases_that_scatter_have_friction_forces_of_their_own(scattering):
     found = scattering
-    assert not found.warnings  # nothing is left out
+    assert not found.findings  # nothing is left out
     mean, scatter = float(np.mean(SCATTERING)), float(np.std(SCATTERING, ddof=1))
     answer = found.reference  # the balance has a row a decay, five for six unknowns
     assert answer.verdicts["F_k"].verdict == answer.verdicts["c"].verdict == USABLE
@@ -189,7 +189,7 @@ def test_releases_of_one_record_may_scatter():
     values = np.hstack(parts)[0]
     values += 2e-5 * np.random.default_rng(0).standard_normal(values.size)
     channel = Channel("displacement", np.arange(values.size) / PLUCKED.rate_hz, values)
-    fit = identify_ring_downs([Record.of("three", [channel])], PLUCKED.k).fit
+    fit = identify_ring_downs([Record.of("three", [channel])], PLUCKED.k).basis.fit
     for i, (force, F_k) in enumerate(zip(fit.frictions, frictions, strict=True)):
         place = fit.friction_places[i]
         assert abs(force - F_k) < FAR * math.sqrt(fit.covariance[place, place])
@@ -197,7 +197,7 @@ def test_releases_of_one_record_may_scatter():
 
 def test_releases_that_share_a_friction_force_have_one():
     found = identify_ring_downs(released([1.5] * 2), RIG.k)
-    assert found.fit.frictions.size == 1
+    assert found.basis.fit.frictions.size == 1
     assert found.document()["F_k_scatter_N"] == 0.0
     assert "friction differs" not in {one.code for one in found.rig}
 
@@ -226,7 +226,7 @@ def test_a_blow_soon_after_the_first_sample_is_identified(decay, lasts):
     for instant in (0.0, 0.06):
         measured = struck(replace(decay, F_k=0.1), instant, lasts)
         found = identify_ring_downs([measured], decay.k)
-        assert found.fit.adequate, instant
+        assert found.basis.fit.adequate, instant
         off = found.values["F_k"] - 0.1
         assert abs(off) < FAR * found.standard_errors["F_k"], instant
 
@@ -249,7 +249,7 @@ def sampled(spc, kind="pluck", quantity="displacement"):
 def test_few_samples_a_cycle_suffice(spc, kind, quantity):
     decay = sampled(spc, kind, quantity)
     found = identify_ring_downs([record(decay)[0]], decay.k)
-    assert found.fit.adequate
+    assert found.basis.fit.adequate
     for symbol in ("F_k", "c"):
         off = found.values[symbol] - getattr(decay, symbol)
         assert abs(off) < FAR * found.standard_errors[symbol]
@@ -307,13 +307,13 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     free, given, wrong = (plucked(mass=m) for m in (None, PLUCKED.m, 1.3 * PLUCKED.m))
     assert given.fit.m == PLUCKED.m
     assert given.reference.K_z.standard_error < free.reference.K_z.standard_error
-    assert wrong.fit.m == pytest.approx(free.fit.m)
-    assert wrong.warnings[0].numbers["masses"] == pytest.approx(
+    assert wrong.basis.fit.m == pytest.approx(free.basis.fit.m)
+    assert wrong.findings[0].numbers["masses"] == pytest.approx(
         (PLUCKED.m, 1.3 * PLUCKED.m), rel=0.01
     )
     assert given.estimates["balance"].verdicts["F_k"][:2] == ("usable", "")
     verdict = wrong.verdicts["F_k"]
-    assert (verdict.verdict, verdict.findings) == ("doubtful", wrong.warnings[:1])
+    assert (verdict.verdict, verdict.findings) == ("doubtful", wrong.findings[:1])
     assert [each.rig[0].numbers["given"] for each in (given, free, wrong)] == [True, False, False]
 
 
@@ -342,7 +342,7 @@ def test_a_sensor_that_is_not_linear_is_left_for_the_band_of_the_mode():
     x = measured["displacement"].values
     bent = changed(measured, "displacement", values=x + 30.0 * np.abs(x) * x)
     result = identify_ring_downs([bent], PLUCKED.k)
-    assert result.fit.problem.band is not None
+    assert result.basis.fit.problem.band is not None
     # swings 15 % too large at first decay faster: c is too large by about 15 % of the loss, and something is said of it
     assert "damping" in result.text()
 
@@ -351,7 +351,7 @@ def test_a_clipped_decay_is_named_and_its_samples_at_the_limit_left_out():
     sound = measured_ring_down(OSCILLATOR, x=0.005, rate_hz=200.0, duration=3.0, noise=0.005)
     found = identify([replace(cut(sound, "displacement", 0.5), source="decay")], OSCILLATOR.k)
     clipped = Finding("clipped decay", {"quantity": "displacement"}, of="decay")
-    assert clipped in found.warnings
+    assert clipped in found.findings
     for symbol in ("F_k", "c"):
         low, high = found.reference.intervals[symbol]
         assert low < getattr(OSCILLATOR, symbol) < high
@@ -458,7 +458,7 @@ def test_stamps_rounded_to_milliseconds_are_no_obstacle_to_a_short_decay(tmp_pat
     table = {"t (s)": np.round(channel.t, 3), "x (m)": channel.values}
     pd.DataFrame(table).to_csv(tmp_path / "decay.csv", index=False)
     found = identify(tmp_path / "decay.csv", decay.k)
-    assert found.warnings[0].numbers["resolution"] == 0.001
+    assert found.findings[0].numbers["resolution"] == 0.001
     assert abs(found.values["F_k"] - decay.F_k) < FAR * found.standard_errors["F_k"]
 
 

@@ -107,13 +107,13 @@ def test_a_gain_of_a_decay_scales_friction_alone():
 def test_a_mass_within_the_uncertainty_of_the_stiffness_contradicts_nothing():
     off, mass = 1.004 * PAPER.k, (PAPER.m, 0.0)
     without = identify(forced(), stiffness=off, mass=mass)
-    (said,) = (one.numbers["masses"] for one in without.warnings if one.code == "mass")
+    (said,) = (one.numbers["masses"] for one in without.findings if one.code == "mass")
     assert said[1] / said[0] - 1.0 == pytest.approx(-0.004, abs=5e-5)
     # all numbers may be off by as much, which makes none of them useless
     assert without.verdicts["F_k"].verdict == "usable"
     assert without.verdicts["F_k"].within > 0.0039
     found = identify(forced(), stiffness=(off, 0.004 * off), mass=mass)
-    assert "mass" not in {one.code for one in found.warnings}
+    assert "mass" not in {one.code for one in found.findings}
     low, high = found.intervals["F_k"]
     assert low < PAPER.F_k < high
 
@@ -156,7 +156,7 @@ def test_uncertainties_are_stated_for_records_that_no_oscillator_fits():
         identify(of_no_oscillator(errors), stiffness)
         for errors, stiffness in (({}, 2310.0), ({}, "2310±23.1"), (gain, 2310.0))
     )
-    assert not plain.joint.waveforms_hold
+    assert not plain.basis.joint.waveforms_hold
     fit, direct = (plain.approaches[name] for name in ("maximum likelihood", "direct"))
     for stated in both:
         assert stated.approaches["maximum likelihood"].standard_errors == fit.standard_errors
@@ -191,7 +191,7 @@ def test_a_weighed_mass_doubts_nothing_that_it_does_not_move(noise):
     weighed, wrong = (identify(records, PAPER.k, mass=m) for m in (2.418, 2.0))
     for found in (free, weighed):
         assert {v.verdict for v in found.verdicts.values()} == {"usable"}
-    if not weighed.joint.mass_taken:
+    if not weighed.basis.joint.mass_taken:
         assert weighed.values == free.values
         (said,) = (one.numbers["masses"] for one in weighed.rig if one.code == "masses")
         assert said == pytest.approx((2.42, 2.418), abs=5e-3)
@@ -208,7 +208,7 @@ def test_a_drift_is_in_the_intervals_and_doubts_nothing(drift, part):
     grown = x * (1.0 + drift * (t / t[-1] - part))
     plain = identify(records, PAPER.k)
     found = identify([changed(records[0], "displacement", values=grown), *records[1:]], PAPER.k)
-    assert found.warnings[0].code in ("unsettled", "settles")
+    assert found.findings[0].code in ("unsettled", "settles")
     assert {found.verdicts[s].verdict for s in ("F_k", "c")} == {"usable"}
     for name in ("maximum likelihood", "direct"):
         answer, before = found.approaches[name], plain.approaches[name].standard_errors

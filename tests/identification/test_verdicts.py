@@ -24,8 +24,8 @@ from dampbalance.identification.answer import (
 )
 from dampbalance.identification.balance_check import forbidden, notes_on
 from dampbalance.identification.diagnosis import agreement, on_records
-from dampbalance.identification.identified import Identified
 from dampbalance.identification.oscillator import JointFit, Microstick
+from dampbalance.identification.result import Result
 from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import listed, times
 from dampbalance.records.coordinate import TRANSLATION
@@ -80,7 +80,7 @@ UNSOLVED = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), n
     ids=["sound", "noted", "unsolved", "missing", "a limit", "narrow", "wide"],
 )
 def test_a_number_that_is_not_usable_has_a_reason(answer, verdicts, codes):
-    assert in_one(answer.verdicts) == verdicts
+    assert in_one(answer.verdicts, TRANSLATION) == verdicts
     for one in answer.verdicts.values():
         assert (one.worded(TRANSLATION).reason == "") == (one.verdict == "usable")
     assert [one.code for one in answer.verdicts["K_z"].findings] == codes
@@ -136,7 +136,7 @@ NEAR = replace(SOUND, name=REFERENCE, balance=None)
 def test_what_is_warned_of_is_doubtful_beyond_the_interval_and_five_percent(doubts, doubtful):
     warning = Finding("asymmetric", {"order": 2, "share": 0.1}, doubts, of="a")
     answers = doubted({"direct": SOUND, REFERENCE: NEAR}, [warning])
-    assert in_one(answers["direct"].verdicts) == "usable within 0.96 %"
+    assert in_one(answers["direct"].verdicts, TRANSLATION) == "usable within 0.96 %"
     judged = answers[REFERENCE].verdicts
     assert [s for s, v in judged.items() if v.verdict == "doubtful"] == doubtful.split()
     assert all(judged[symbol].findings == (warning,) for symbol in doubtful.split())
@@ -166,12 +166,6 @@ def test_an_interval_holds_what_departures_can_do_to_the_number():
     assert np.sqrt(np.diag(wider)) == pytest.approx([error, 0.05, 1000.0])
 
 
-class Both(Identified):
-    """The answers of a balance and a fit, and nothing else."""
-
-    findings = pictures = None
-
-
 @pytest.mark.parametrize(
     ("balance", "fit", "warnings", "first"),
     [
@@ -188,9 +182,8 @@ class Both(Identified):
     ],
 )
 def test_the_first_answer_is_the_one_to_use(balance, fit, warnings, first):
-    kinds = {"head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
-    Both.__abstractmethods__ = frozenset()
-    outcome = Both(estimates={"direct": balance}, reference=fit, warnings=warnings, **kinds)
+    kinds = {"basis": None, "head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
+    outcome = Result(estimates={"direct": balance}, reference=fit, odd=warnings, **kinds)
     assert next(iter(outcome.approaches)) == first
     assert set(outcome.approaches) == {"direct", REFERENCE} - (
         {REFERENCE} if fit is None else set()

@@ -13,6 +13,7 @@ from dampbalance import BaseMotion, Oscillator, identify, measured_ring_down, st
 from dampbalance.findings.words import sentence
 from dampbalance.fit.score import Departure
 from dampbalance.identification.decay_laws import condition_of
+from dampbalance.identification.screen import limiting
 from dampbalance.joints.synthetic import stepped_sine
 from dampbalance.law.parallel_sliders import Sliders
 from dampbalance.records.coordinate import TRANSLATION
@@ -31,7 +32,7 @@ def texts_of(found):
             str(found),
             found.text(),
             found._repr_html_(),
-            *found.limiting,
+            *limiting(found),
         ]
     )
 

@@ -35,7 +35,7 @@ def test_the_fault_put_into_records_is_the_one_that_is_named(name):
 
 def test_sound_records_show_none_and_their_truth():
     sound = lab.identified(lab.Fault("none"))
-    found = [*sound.rig, *(one for group in sound.limits for one in group)]
+    found = [*sound.rig, *sound.findings]
     assert [page for one in found for page in one.pages] == []
     for symbol in ("F_k", "c", "K_z"):
         low, high = sound.intervals[symbol]

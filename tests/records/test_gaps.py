@@ -118,8 +118,8 @@ def test_what_is_missing_is_left_out_and_said(kind, defect):
         assert abs(found.values[symbol] - whole.values[symbol]) < 2.0 * error
         assert found.standard_errors[symbol] < 2.0 * error
     assert found.verdicts["F_k"].verdict == "usable"
-    assert any(re.search(said, one.numbers.get("words", "")) for one in found.warnings)
-    assert all(one in found.warnings for one in whole.warnings)
+    assert any(re.search(said, one.numbers.get("words", "")) for one in found.findings)
+    assert all(one in found.findings for one in whole.warnings)
 
 
 def test_the_balance_of_a_decay_with_a_gap_is_that_without():
@@ -188,7 +188,7 @@ def test_text_after_the_data_is_left_aside(suffix, tmp_path):
     (found,) = read_records(file)
     np.testing.assert_allclose(found.to_frame(), frame.set_index("time_s"), rtol=1e-15)
     last = len(frame) + 1  # after the header
-    (said,) = found.warnings
+    (said,) = found.findings
     assert said.numbers["words"].endswith(f"s {last + 2} to {last + 4}, is left aside")
 
 

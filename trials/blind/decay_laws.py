@@ -73,9 +73,9 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
     laws = compare_decay_laws(result.fit) if compared else None
     row["seconds_laws"] = time.process_time() - began
     answer = result.approaches[REFERENCE]
-    warned, rig = ({one.code: one for one in of} for of in (result.warnings, result.rig))
+    warned, rig = ({one.code: one for one in of} for of in (result.findings, result.rig))
     row |= {
-        "slips": result.half_cycles.halves,
+        "slips": result.basis.half_cycles.halves,
         "usable": all(answer.verdicts[s].verdict == USABLE for s in ("F_k", "c")),
         "doubt": _DOUBT in warned,
         "named": any(f.numbers.get("value", ("",))[0] == term for f in warned.values()),

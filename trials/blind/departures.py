@@ -21,6 +21,7 @@ from scipy.interpolate import CubicSpline
 from dampbalance.findings.finding import within
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.screen import limiting
 from dampbalance.project.wording import markdown_table
 from dampbalance.signals.mean_harmonics import read_features
 
@@ -171,8 +172,8 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
         return [row | {"refused": str(error)}]
     row["seconds"] = time.process_time() - began
     answer = result.answer
-    row["words"] = " | ".join(result.limiting)
-    inner = [one for of in result.warnings for one in within(of.numbers.values())]
+    row["words"] = " | ".join(limiting(result))
+    inner = [one for of in result.findings for one in within(of.numbers.values())]
     row["gradual"] = any(one.code == "gradual" for one in inner)
     room = [one.numbers["by"] for one in result.rig if one.code == "contact taken as sudden"]
     row["room"] = room[0] if room else math.nan

@@ -209,6 +209,17 @@ def _remedies(value: Any, vocabulary: Vocabulary) -> str:
     return listed([_filled(SENTENCES[one.code].remedy, [one], vocabulary) for one in value])
 
 
+def _law(terms: Sequence[str], vocabulary: Vocabulary) -> str:
+    """Return a law by what its terms are: "friction force and viscous damping (F_k, c)"."""
+    symbols = ", ".join(map(vocabulary.symbol, terms))
+    return f"{listed([phrase(term(symbol).words, vocabulary) for symbol in terms])} ({symbols})"
+
+
+def phrase(words: str, vocabulary: Vocabulary) -> str:
+    """Return words with their nouns in the coordinate: friction torque for friction force."""
+    return " ".join(map(vocabulary.noun, words.split(" ")))
+
+
 _FORMS: Mapping[str, Callable[[Any, Vocabulary], str]] = {
     "percent": lambda value, _: part(value),
     "factor": lambda value, _: factor(value),
@@ -219,6 +230,8 @@ _FORMS: Mapping[str, Callable[[Any, Vocabulary], str]] = {
     "noun": lambda value, of: of.noun(value),
     "or": lambda value, _: " or ".join(value),
     "symbols": _symbols,
+    "law": _law,
+    "laws": lambda values, of: " or ".join(_law(terms, of) for terms in values),
     "remedies": _remedies,
     "changes": _changes,
     "up to": lambda values, of: _changes(values, of, "by up to"),
