@@ -31,9 +31,9 @@ def number(name: str) -> Callable[[str], float]:
     return read_by(read_number, name)
 
 
-def whole(name: str) -> Callable[[str], int]:
-    """Return a type of argument: a whole number of the table of `arguments`."""
-    return read_by(lambda name, text: arguments.whole(name, _plain(text)), name)
+def whole(name: str, bounds: arguments.Bounds | None = None) -> Callable[[str], int]:
+    """Return a type of argument: a whole number.   bounds : default, those of the table of `arguments`."""
+    return read_by(lambda name, text: arguments.whole(name, _plain(text), bounds), name)
 
 
 def _plain(text: str) -> float | str:
@@ -61,10 +61,11 @@ def coefficients(text: str) -> dict[str, float]:
                 f"must be symbols with their coefficients, as in c_2=40,eta=0.02, got {shortened(part)}"
             )
         try:
-            unit = term(symbol).unit  # a grouped term is refused later, by the response
+            # a grouped term is refused later, by the response
+            bounds = arguments.NUMBERS["given"]._replace(unit=term(symbol).unit)
             if symbol in values:
                 raise ValueError(f"{symbol} appears twice: give it once")
-            values[symbol] = read_number("given", value, unit)
+            values[symbol] = read_number("given", value, bounds)
         except ValueError as error:
             words = str(error)
             if words.startswith("given "):
