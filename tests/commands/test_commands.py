@@ -468,7 +468,8 @@ def test_help_names_no_option_that_the_command_lacks(command, capsys):
     with pytest.raises(SystemExit):
         parser([command]).parse_args([command, "--help"])
     arguments = capsys.readouterr().out.partition("\noptions:\n")[2]
-    arguments = arguments.split("\n\n" + import_module(f"dampbalance.commands.{command}").EPILOG)[0]
+    epilog = import_module(f"dampbalance.commands.{command}").__doc__.partition("\n\n")[2]
+    arguments = arguments.split("\n\n" + epilog)[0]
     names = re.findall(r"^  ((?:--?[\w-]+, )*--[\w-]+)", arguments, re.MULTILINE)
     options = {one for line in names for one in line.split(", ")} - {"-h"}
     assert "--help" in options
@@ -478,7 +479,7 @@ def test_help_names_no_option_that_the_command_lacks(command, capsys):
 def test_help_groups_the_options_by_the_kinds_that_take_them(capsys):
     arguments = parser(["identify"])._subparsers._group_actions[0].choices["identify"]._actions
     assert {action.dest for action in arguments} > OPTIONS.keys()
-    group_of = {option: own["group"] for option, own in ARGUMENTS.items()}
+    group_of = {option: own.get("group", "") for option, own in ARGUMENTS.items()}
     for name, option in OPTIONS.items():
         kinds = [IN_WORDS[kind] for kind in option.kinds]
         wanted = "all records" if len(kinds) == len(IN_WORDS) else listed(kinds, "or")

@@ -198,7 +198,7 @@ def test_an_option_is_one_row_of_the_table(tmp_path):
     assert "positive number of m" in told["schema"]["description"]
     assert told["configured"] == {"kind": "forced", "toy": 2.0}
     wrong = "is for forced records, and these are free decays: leave it out"
-    assert told["refused"] == f"toy = '2 mm' {wrong}"
+    assert told["refused"] == f"toy = 2 mm {wrong}"
     assert told["key"] == {"toy_m": wrong}
     assert told["options"] == 0.003
 

@@ -1,24 +1,6 @@
 """dampbalance identify: F_k, c and K_z from records of steady responses at several levels or of free decays, or from
-tables of a stepped sine."""
+tables of a stepped sine.
 
-from __future__ import annotations
-
-import argparse
-import shutil
-import sys
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from pathlib import Path
-from typing import Any, get_args
-
-from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
-from ..project.files import json_text, replacing, write_text
-from ..project.options import IN_WORDS, OPTIONS, Option
-from ..project.wording import listed, shortened
-from ..records.quantities import with_error
-from .options import coefficients, read_by, whole
-
-EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration; relative_displacement, … where it was measured against
 the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV, NumPy,
@@ -51,6 +33,23 @@ Numbers may have a unit, and k, m and the normal force a standard uncertainty: "
 The exit status is 0 with an answer, 1 where the records give none (the cause is shown first), 2 for an error.
 """
 
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
+from ..project.files import json_text, replacing, write_text
+from ..project.options import IN_WORDS, OPTIONS, Option
+from ..project.wording import listed, shortened
+from ..records.quantities import with_error
+from .options import FILE, argument, coefficients, read_by, whole
+
 _SCREEN = Path("-")
 
 
@@ -73,6 +72,7 @@ def run(options: argparse.Namespace) -> bool:
     for file in filter(None, (document, options.report)):
         require_room(file.parent, [file.name], permission)
     stated = {name: of for name, of in vars(options).items() if name in OPTIONS}
+    stated |= {name: _together(name, of) for name, of in stated.items() if isinstance(of, list)}
     result = identify(options.records, kind=options.kind, **stated)
     answer = json_text(result.document())
     shown, width = answer, shutil.get_terminal_size().columns
@@ -85,10 +85,9 @@ def run(options: argparse.Namespace) -> bool:
         places.append(str(document))
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
-        pictures = sum(file.suffix in (".svg", ".png") for file in files)
-        names = [file.name for file in files if file.suffix not in (".svg", ".png")]
-        names += [f"{pictures} pictures"] * bool(pictures)
-        places.append(f"{folder}: {listed(names)}")
+        names = [file.name for file in files if file.name not in ALL_PICTURES]
+        pictures = [f"{len(files) - len(names)} pictures"] * (len(files) > len(names))
+        places.append(f"{folder}: {listed([*names, *pictures])}")
         drawn = "" if options.no_figures else (folder / REPORT).read_text(encoding="utf-8")
     if options.report is not None:
         write_text(options.report, drawn or result.report())
@@ -147,22 +146,14 @@ def _written(option: Option) -> Callable[[str], str]:
     return read_by(checked, option.name)
 
 
-class _Once(argparse.Action):
-    """Collect options of one term or several each in one mapping; a term that is named twice is an error."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
-        """Add the terms of one option."""
-        collected = getattr(namespace, self.dest, {})
-        if twice := collected.keys() & values.keys():
-            remedy = "leave out one of the two"
-            raise argparse.ArgumentError(self, f"{twice.pop()} is named twice: {remedy}")
-        setattr(namespace, self.dest, collected | values)
+def _together(name: str, parts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the terms of an option that may be repeated. Raises ValueError for a term that is named twice."""
+    together: dict[str, Any] = {}
+    for part in parts:
+        if twice := together.keys() & part.keys():
+            raise ValueError(f"--{name}: {twice.pop()} is named twice: leave out one of the two")
+        together |= part
+    return together
 
 
 _FORMS: Mapping[str, Callable[[Option], dict[str, Any]]] = {
@@ -170,10 +161,10 @@ _FORMS: Mapping[str, Callable[[Option], dict[str, Any]]] = {
     "whole": lambda of: {"type": whole(of.name, of.bounds), "metavar": "N"},
     "number": lambda of: {"type": _written(of), "metavar": of.unit},
     "stated": lambda of: {"type": _written(of), "metavar": of.unit},
-    "path": lambda of: {"type": Path, "metavar": "FILE"},
+    "path": lambda of: FILE,
     "names": lambda of: {"metavar": of.name.upper()},
-    "coefficients": lambda of: {"type": coefficients, "action": _Once, "metavar": "TERM=VALUE"},
-    "labels": lambda of: {"type": _labels, "action": _Once, "metavar": "TERM=A,A,B"},
+    "coefficients": lambda of: {"type": coefficients, "action": "append", "metavar": "TERM=VALUE"},
+    "labels": lambda of: {"type": _labels, "action": "append", "metavar": "TERM=A,A,B"},
     "choice": lambda of: {"choices": get_args(of.type)},
 }
 """Form of the value of an option → what argparse takes of it."""
@@ -188,47 +179,42 @@ def _argument(option: Option) -> dict[str, Any]:
         words += f" (default: {'yes' if default else 'no'})"
     elif default is not None:
         words += f" (default: {default})"
-    words += "; may be repeated" * (form.get("action") is _Once)
+    words += "; may be repeated" * (form.get("action") == "append")
     group = _ALL if len(kinds) == len(IN_WORDS) else listed(kinds, "or")
-    help = words.replace("%", "%%")
-    return {**form, "group": group, "help": help, "default": argparse.SUPPRESS}
+    return argument(words.replace("%", "%%"), group=group, default=argparse.SUPPRESS, **form)
 
 
 _ALL = "all records"
-
-
-def _own(words: str, group: str = "results", **form: Any) -> dict[str, Any]:
-    """Return an argument of the command alone; one without a form is a flag, one with a metavar alone a path."""
-    if "metavar" in form:
-        form = {"type": Path, **form}
-    return {"group": group, "help": words, **(form or {"action": "store_true"})}
-
+_RESULTS = {
+    "--details": argument("show all answers and all that limits them, instead of one screen"),
+    "--output": argument(f"write {', '.join(OUTPUTS)} there", type=Path, metavar="DIR"),
+    "--no-figures": argument("write no pictures: they take longer than all the rest"),
+    "--json": argument(
+        f"write {TABLES[0]} to this file as well; - shows it instead of the table", **FILE
+    ),
+    "--report": argument(
+        "write the report, one page of HTML with everything, to this file", **FILE
+    ),
+    "--overwrite": argument("replace existing results"),
+}
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
-    "records": _own(
+    "records": argument(
         "one file per level, at least as many as coefficients; one is enough for a free decay",
-        "",
         nargs="+",
+        type=Path,
         metavar="RECORD",
     ),
-    "--kind": _own(
+    "--kind": argument(
         f"{listed(list(IN_WORDS.values()), 'or')} (default: recognised)",
-        _ALL,
+        group=_ALL,
         choices=tuple(IN_WORDS),
         default="recognised",
     ),
-    "--write-mapping": _own(
+    "--write-mapping": argument(
         "write a draft of a mapping to this file, with a reason for each channel, and do nothing else",
-        _ALL,
-        metavar="FILE",
+        **{"group": _ALL, **FILE},
     ),
     **{f"--{name.replace('_', '-')}": _argument(option) for name, option in OPTIONS.items()},
-    "--details": _own("show all answers and all that limits them, instead of one screen"),
-    "--output": _own(f"write {', '.join(OUTPUTS)} there", metavar="DIR"),
-    "--no-figures": _own("write no pictures: they take longer than all the rest"),
-    "--json": _own(
-        f"write {TABLES[0]} to this file as well; - shows it instead of the table", metavar="FILE"
-    ),
-    "--report": _own("write the report, one page of HTML, to this file", metavar="FILE"),
-    "--overwrite": _own("replace existing results"),
+    **{name: {"group": "results", **own} for name, own in _RESULTS.items()},
 }

@@ -6,12 +6,15 @@ import argparse
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from .. import arguments
 from ..law.terms import term
 from ..project.wording import shortened
 from ..records.quantities import quantity as read_number
+
+FILE: dict[str, Any] = {"type": Path, "metavar": "FILE"}
 
 
 def read_by(reader: Callable[[str, Any], Any], name: str) -> Callable[[str], Any]:
@@ -44,11 +47,16 @@ def _plain(text: str) -> float | str:
     return text
 
 
+def argument(words: str, **form: Any) -> dict[str, Any]:
+    """Return an argument, with its help; one of which nothing else is said is a flag."""
+    return {"help": words, **(form or {"action": "store_true"})}
+
+
 def quantity(name: str, default: float | None, words: str, **more: Any) -> dict[str, Any]:
     """Return an option with a number of the table; without a default, the words say what stands for it."""
     if default is not None:
         words, more["default"] = f"{words} (default: %(default)s)", default
-    return {"type": number(name), "help": words, **more}
+    return argument(words, **{"type": number(name), **more})
 
 
 def coefficients(text: str) -> dict[str, float]:

@@ -33,7 +33,7 @@ from ..identification.request import read_request
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.terms import FRICTION
-from ..project.options import LoopOptions, with_options
+from ..project.options import LoopOptions, Stated, with_options
 from ..project.wording import Remark, listed, number_text, percent, with_error
 from ..records.mapping import MappingLike
 from ..signals.one_thread import one_thread
@@ -261,6 +261,7 @@ class LoopOutcome(Identified):
 @with_options(LoopOptions)
 def identify_loops(
     records: RecordLike | Sequence[RecordLike],
+    stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
     **options: Unpack[LoopOptions],
@@ -269,10 +270,10 @@ def identify_loops(
     cycles or more of any periodic motion, or several at other amplitudes and speeds.
 
     records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact.
+    stiffness : leave it out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
     {options}
 
-    Loops have no oscillator, and so neither stiffness nor mass: a spring in parallel to the contact is identified.
     Records with a channel normal_force each share one μ, and F_k is that at their mean normal force.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a record
@@ -288,7 +289,7 @@ def identify_loops(
     >>> round(found.values["F_k"], 3), round(found.values["K_z"], -2)
     (10.0, 50000.0)
     """
-    read, of = read_request("loops", records, mapping, options)
+    read, of = read_request("loops", records, mapping, {"stiffness": stiffness, **options})
     N, backlash = of["normal_force_N"], of["backlash"]
     normal = None if N is None else (N, of["normal_force_standard_error_N"])
     loops, measured, odd = read_loops(read, of["fixture_stiffness_N_per_m"])

@@ -215,7 +215,8 @@ def asked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
         default = OPTIONS[name].default
         if value is not default and not (type(value) is type(default) and value == default):
             if kind in IN_WORDS and (words := OPTIONS[name].misplaced(kind)):
-                raise ValueError(f"{name} = {shown(value)} {words}")
+                given_as = shown(value).strip("'")  # a number may be a text
+                raise ValueError(f"{name} = {given_as} {words}")
             given[name] = value
     return given
 
