@@ -249,7 +249,7 @@ def schema_of_options(forms: Mapping[str, Any]) -> dict[str, Any]:
 
     forms : form of a value → its schema.
     """
-    kinds = listed([f"{kind} for {words}" for kind, words in IN_WORDS.items()], "or")
+    kinds = listed([f"{kind} ({words})" for kind, words in IN_WORDS.items()], "or")
     keys: dict[str, Any] = {
         "kind": {"description": f"{kinds}; forced if left out.", "enum": list(IN_WORDS)}
     }
