@@ -9,6 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from .arguments import one_of, shown
+from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
 from .identification.identified import Identified
@@ -137,14 +138,8 @@ def identify(
             raise ValueError(f"{name} = {shown(value)} {words}")
     found = WAYS[kind](records, stiffness, mapping=mapping, **asked)
     if recognised and kind == "loops":
-        found = replace(found, rig=[f"{found.rig[0]} {_GUESS}", *found.rig[1:]])
+        found = replace(found, rig=[found.rig[0], Finding("taken for loops"), *found.rig[1:]])
     return found
-
-
-_GUESS = (
-    "The records are taken for loops of a contact, as neither stiffness nor mass is given; if the force drives a mass "
-    "on a spring, give its stiffness (--stiffness): they are forced records then."
-)
 
 
 def _is_loop(record: MeasuredRecord) -> bool:

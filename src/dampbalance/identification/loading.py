@@ -10,11 +10,12 @@ import numpy as np
 
 from ..arguments import number
 from ..arrays import Array
+from ..findings.finding import Finding
+from ..findings.words import sentence
 from ..law.law import Law
-from ..project.wording import Remark
 from ..records.measured import MeasuredRecord
 from ..records.measurement import EXCITATIONS, Correction, Measurement
-from ..signals.checks import SETTLES, Unsettled, is_clipped
+from ..signals.checks import Unsettled, is_clipped
 from ..signals.conditioning import SteadyRecord, condition
 from ..signals.drive import stands_still
 from ..signals.dwells import Dwell, Swept, dwells_of
@@ -25,8 +26,6 @@ EXCERPT = (
 )
 
 _TIMES = 3  # that a beginning is left out: a slow mode shows when a fast one has decayed
-
-_LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
 
 
 def keeps_moving(record: MeasuredRecord) -> bool:
@@ -50,9 +49,7 @@ def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
         raise ValueError(f"{record.name}: {error}") from None
     if not dwells:
         return (record,)
-    said = Remark(
-        "a level of {} in one file, which is split at the steps of its drive", len(dwells)
-    )
+    said = Finding("several levels", {"levels": len(dwells)})
     return tuple(
         replace(
             record,
@@ -95,10 +92,8 @@ def load(
     Raises ValueError naming the record for a free decay, and for one that cannot be used.
     """
     if not keeps_moving(record):
-        raise ValueError(
-            f"{record.name}: the excitation channel is missing or constant, or only strikes: a forced record needs one "
-            f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
-        )
+        why = Finding("not forced", {"drives": tuple(map(record.coordinate.noun, EXCITATIONS))})
+        raise ValueError(f"{record.name}: {sentence(why, record.coordinate)}")
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
     recorded = record.recorded()
 
@@ -115,8 +110,8 @@ def load(
         skipped = settled
     if skipped > skip_cycles:
         steady = read(skipped) if steady is None or settled else steady
-        said = "the motion settles after {} cycles: they are left out, as --skip-cycles does"
-        steady = replace(steady, warnings=(*steady.warnings, Remark(said, skipped)))
+        said = Finding("settles", {"cycles": skipped})
+        steady = replace(steady, warnings=(*steady.warnings, said))
     assert steady is not None
     return Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
 
@@ -130,7 +125,7 @@ def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, St
         if isinstance(cause := error.__cause__, Unsettled) and cause.skip:
             return cause.skip, None
         raise
-    of_start = (one.of[-1] for one in steady.warnings if SETTLES in one.template)
+    of_start = (one.numbers["skip"] for one in steady.warnings if one.code == "unsettled")
     return max(of_start, default=0), steady
 
 
@@ -141,9 +136,7 @@ def require_different_levels(readings: Sequence[Reading], k: float, law: Law) ->
     law.require([r.steady.frequency_hz for r in readings], by_balance=False)
     for steady in (reading.steady for reading in readings):
         if steady.k != k:
-            raise ValueError(
-                f"{steady.source} was read with k = {steady.k:g} N/m, not with {k:g} N/m"
-            )
+            raise ValueError(f"{steady.source} was read with k = {steady.k:g}, not with {k:g}")
     for one, other in itertools.combinations((reading.steady for reading in readings), 2):
         # copies have cycles with the same harmonics, to what another format may change
         bound = 1e-9 * abs(one.X[0, 1])
@@ -155,15 +148,15 @@ def require_different_levels(readings: Sequence[Reading], k: float, law: Law) ->
 
 def unclipped(
     records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
-) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Remark]]:
-    """Return the records that are not clipped, with their readings, and a sentence on each other one; all of them where
+) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Finding]]:
+    """Return the records that are not clipped, with their readings, and a finding on each other one; all of them where
     too few would be left to show how well they fit."""
     clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
     if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
         return records, readings, []
     kept = [i for i, is_out in enumerate(clipped) if not is_out]
     out = [one.steady.source for one, is_out in zip(readings, clipped, strict=True) if is_out]
-    said = [Remark(_LEFT_OUT, source=source) for source in out]
+    said = [Finding("left out", of=source) for source in out]
     return tuple(records[i] for i in kept), [readings[i] for i in kept], said
 
 

@@ -9,6 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..arguments import NUMBERS
+from ..findings.finding import Finding
+from ..findings.words import sentence
+from ..records.coordinate import TRANSLATION
 from ..records.mapping import MappingLike
 from ..records.measured import MeasuredRecord, as_records, require_different
 from ..records.quantities import mass_with_error, read_quantity, with_error
@@ -32,11 +35,6 @@ IN_WORDS = {
 
 _ANY = 1e3  # k₀/m, rad²/s², of 5 Hz
 
-STATIC_TEST = (
-    "Measure it statically: hang known weights on the mass with the contact loose, and take the slope of force over "
-    "displacement."
-)
-
 
 def with_stiffness_by_mass(
     identified: Callable[[Mapping[str, Any]], Identified],
@@ -58,10 +56,7 @@ def with_stiffness_by_mass(
     for one in (identified, *further):
         found = one({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
         if math.isnan(found.mass):
-            raise ValueError(
-                "the records do not show the natural frequency from which, with the mass, the stiffness follows: give "
-                f"it (--stiffness). {STATIC_TEST}"
-            )
+            raise ValueError(sentence(Finding("no natural frequency"), found.coordinate))
         k *= mass / found.mass
     error = math.hypot(options["mass_standard_error_kg"] / mass, found.mass_error / found.mass)
     return {**options, "stiffness_standard_error_N_per_m": k * error}, k
@@ -77,11 +72,8 @@ def rig_options(
     Raises ValueError for a stiffness that is missing with the mass, and for a number that is none.
     """
     if stiffness is None and mass is None and needed_by:
-        raise ValueError(
-            f"stiffness (--stiffness) is missing: {IN_WORDS[needed_by]} need it, N/m. {STATIC_TEST} Where that cannot "
-            "be done, the mass alone (--mass) gives it from the frequency of the motion. Only a table of a stepped "
-            "sine with a force does without (kind stepped-sine)"
-        )
+        kind = Finding("no stiffness", {"kind": IN_WORDS[needed_by]})
+        raise ValueError(sentence(kind, TRANSLATION))
     k, k_error = (None, 0.0) if stiffness is None else with_error("stiffness", stiffness)
     m, m_error = (None, None) if mass is None else mass_with_error(mass)
     return {

@@ -7,15 +7,16 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from ..arguments import items, path
+from ..findings.finding import Finding
+from ..findings.words import sentence
 from ..project.files import sha256
-from ..project.wording import Remark, listed, visible
+from ..project.wording import listed, visible
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
@@ -32,10 +33,6 @@ if TYPE_CHECKING:
     RecordLike: TypeAlias = "str | Path | Signals | Table | Measurement | MeasuredRecord"
 
 
-Given = ParamSpec("Given")
-Result = TypeVar("Result")
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredRecord:
     """One record, of a steady response at one level of excitation or of free decays, as `read_records` makes it; a
@@ -44,7 +41,7 @@ class MeasuredRecord:
     name : what messages and tables call it; the path of a file.   label : of its level, for plots.
     quantities : that it holds, by the names of `Measurement`.   measurement : its channels in SI units; None where
     there are none.
-    rules : what its mapping says.   warnings : what is odd about it, in words.   files : digests of what it was read
+    rules : what its mapping says.   warnings : what is odd about it.   files : digests of what it was read
     from.
     """
 
@@ -53,7 +50,7 @@ class MeasuredRecord:
     quantities: tuple[str, ...]
     measurement: Measurement | None
     rules: RecordMapping
-    warnings: tuple[Remark, ...] = ()
+    warnings: tuple[Finding, ...] = ()
     files: Mapping[str, Any] | None = None
 
     @property
@@ -94,43 +91,15 @@ class MeasuredRecord:
 
     def __repr__(self) -> str:
         """Return the contents of the record in a line."""
-        held = listed([self.coordinate.text(quantity) for quantity in self.quantities])
+        held = listed([self.coordinate.noun(quantity) for quantity in self.quantities])
         t = max((self.recorded()[q].t for q in self.quantities), key=len)
         sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
-        return f"<record {self.name}: {'; '.join([held, sampled, *self.warnings])}>"
+        odd = [sentence(one, self.coordinate) for one in self.warnings]
+        return f"<record {self.name}: {'; '.join([held, sampled, *odd])}>"
 
 
 ReaderOfTables: TypeAlias = Callable[[Table, RecordMapping, str], MeasuredRecord | None]
 """Reader of the record in an open table, with what its mapping says and the label of a level without a name."""
-
-
-def in_words_of_records(
-    identified: Callable[Concatenate[tuple[MeasuredRecord, ...], Given], Result],
-) -> Callable[Concatenate[tuple[MeasuredRecord, ...], Given], Result]:
-    """Return a function of records whose errors are in the words and units of their coordinate, and which refuses
-    records of both coordinates with RecordError."""
-
-    @wraps(identified)
-    def worded(
-        records: tuple[MeasuredRecord, ...], /, *args: Given.args, **more: Given.kwargs
-    ) -> Result:
-        first: dict[Coordinate, str] = {}
-        for record in records:
-            first.setdefault(record.coordinate, record.name)
-        if len(first) > 1:
-            rotating, other = first[ROTATION], first[TRANSLATION]
-            raise RecordError(
-                f"{rotating} rotates and {other} moves along a line: identify them separately"
-            )
-        try:
-            return identified(records, *args, **more)
-        except ValueError as error:
-            if TRANSLATION in first:
-                raise
-            names = [record.name for record in records]
-            raise type(error)(ROTATION.text(str(error), names)) from error
-
-    return worded
 
 
 def as_records(
@@ -178,7 +147,7 @@ def _in_memory(
     name = next(name for name in names if name not in taken)
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
     rules = replace(rules, free=free)
-    warned: list[Remark] = []
+    warned: list[Finding] = []
     if isinstance(record, Measurement):
         measurement = replace(record, source=name)
     else:
@@ -220,25 +189,30 @@ def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str
 
 
 @contextmanager
-def _collected_warnings(name: str) -> Iterator[list[Remark]]:
+def _collected_warnings(name: str) -> Iterator[list[Finding]]:
     """Collect the warnings of readers about a record, once each, without its name, when the block ends."""
-    warned: list[Remark] = []
+    warned: list[Finding] = []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", RecordWarning)
         yield warned
-    for one in (w.message.args[0] for w in caught if isinstance(w.message, RecordWarning)):
-        odd = one if isinstance(one, Remark) else Remark(one)
-        parts = (odd.template, *odd.of)
-        nameless = [p.removeprefix(f"{name}: ") if isinstance(p, str) else p for p in parts]
-        remark = Remark(*nameless, doubts=odd.doubts, spares=odd.spares)
-        if remark not in warned:
-            warned.append(remark)
+    for one in (w.message for w in caught if isinstance(w.message, RecordWarning)):
+        words = str(one).removeprefix(f"{name}: ")
+        odd = one.finding or Finding("as read", {"words": words})
+        if odd not in warned:
+            warned.append(odd)
 
 
 def require_different(records: Sequence[MeasuredRecord]) -> None:
-    """Raise ValueError for no records, and for a file named twice, also by a link or another spelling of its path."""
+    """Raise ValueError for no records, for records of both coordinates, and for a file named twice, also by a link or
+    another spelling of its path."""
     if not records:
         raise ValueError("no records are given; name one for each level, or one of a free decay")
+    first = {record.coordinate: record.name for record in reversed(records)}
+    if len(first) > 1:
+        rotating, other = first[ROTATION], first[TRANSLATION]
+        raise RecordError(
+            f"{rotating} rotates and {other} moves along a line: identify them separately"
+        )
     known: dict[tuple[int, int], str] = {}
     for record in records:
         if record.files is None:

@@ -17,7 +17,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..project.wording import Remark, shortened
+from ..findings.finding import Finding
+from ..findings.words import sentence
+from ..project.wording import shortened
 from . import errors
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
@@ -299,7 +301,7 @@ def _checked(
             t, recorded = np.interp(np.arange(size), number, t[rows]), signal[rows]
             signal = np.full(size, np.nan)
             signal[number] = recorded
-        t = _in_equal_steps(t, f"{file.path}: {time}")
+        t = _in_equal_steps(t, file.path, time)
     if pick.quantity in RESPONSES:  # a base may be at rest, a dead weight presses evenly
         _require_moving(f"{file.path}: {this}", pick, values[present], unit)
     missing = np.isnan(signal)
@@ -461,25 +463,22 @@ def _warn_of(file: Table, words: str, rows: Integers, count: int = 0) -> None:
     if count:
         places = [file.place(int(i)) for i in rows[:_PLACES]] + ["…"] * (rows.size > _PLACES)
         said = words.format(f"{count:,}", "s are" if count > 1 else " is", ", ".join(places))
-        warnings.warn(RecordWarning(Remark(f"{file.path}: {said}")), stacklevel=2)
+        warnings.warn(RecordWarning(f"{file.path}: {said}"), stacklevel=2)
 
 
-def _in_equal_steps(t: Array, where: str) -> Array:
+def _in_equal_steps(t: Array, path: object, channel: str) -> Array:
     """Return the times of a channel: the line through them where they are rounded, with a warning that states its
     bound; any other times as they are.
 
-    t : s.   where : file and channel, for the warning.
+    t : s.   path, channel : for the warning.
     """
     if (rounded := _rounded(t)) is None:
         return t
     line, q, step, bound = rounded
-    said = Remark(
-        "{} is rounded to {:.3g} s at steps of {:.3g} s: a straight line through it gives {:.9g} samples a second, to "
-        "within {:.3g} ppm; give sample_rate_hz if known",
-        *(where, q, step, 1.0 / step, 1e6 * bound),
-        doubts={"": bound},
-    )
-    warnings.warn(RecordWarning(said), stacklevel=2)
+    of = {"where": channel, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
+    said = Finding("rounded times", of, {"": bound})
+    words = f"{path}: {sentence(said, TRANSLATION)}"
+    warnings.warn(RecordWarning(words, said), stacklevel=2)
     return line
 
 

@@ -29,9 +29,9 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..features import FEATURE_COLUMNS, Features, of_numbers, wrapped_phase
+from ..findings.finding import Finding
 from ..law.terms import FRICTION, of_harmonics
 from ..motion.law_steady import Response
-from ..project.wording import Remark
 from ..records.measurement import Measurement
 from .conditioning import SteadyRecord, condition
 from .cycles import bootstrap, powers
@@ -169,8 +169,8 @@ class Reading:
         return self.features_of(self.mean)
 
     @property
-    def warnings(self) -> tuple[Remark, ...]:
-        """Faults of the record, one sentence each."""
+    def warnings(self) -> tuple[Finding, ...]:
+        """Faults of the record."""
         return self.steady.warnings
 
     @cached_property
