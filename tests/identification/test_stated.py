@@ -19,7 +19,7 @@ from dampbalance import (
 )
 from dampbalance.commands.identify import ARGUMENTS
 from dampbalance.measured import configured, not_taken
-from dampbalance.records.measurement import Correction
+from dampbalance.records.channel import Correction
 from dampbalance.records.quantities import mass_with_error
 from identification.levels import THREE, changed, measured
 from paper_case import LEVELS, PAPER, orbits_at

@@ -10,9 +10,9 @@ import re
 
 import pytest
 import yaml
+from dampbalance.identification.symptoms import PAGE, SYMPTOMS, address
 
 from dampbalance.commands.main import parser
-from dampbalance.identification.symptoms import PAGE, SYMPTOMS, address
 from dampbalance.project.wording import with_error
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..records.measurement import ABSOLUTE, ROTATING
+from ..records.channel import ABSOLUTE, ROTATING
 from ..records.synthetic import measured_ring_down
 from .options import quantity
 from .simulate import ARGUMENTS as OF_FORCED

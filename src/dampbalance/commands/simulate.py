@@ -15,8 +15,9 @@ from ..motion.law_response import law_response
 from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
+from ..records.channel import EXCITATIONS, RESPONSES, ROTATING
 from ..records.errors import RecordError
-from ..records.measurement import EXCITATIONS, RESPONSES, ROTATING, Measurement
+from ..records.record import Record
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import coefficients, quantity, sliders, whole
@@ -129,7 +130,7 @@ def require_brief(
         )
 
 
-def save(options: argparse.Namespace, measurement: Measurement) -> None:
+def save(options: argparse.Namespace, measurement: Record) -> None:
     """Write the record, and print the name of its file."""
     print(f"Written: {write(options.record, measurement)}")
 
@@ -167,11 +168,11 @@ def _steady(
     return law_response(osc, motion, law)
 
 
-def _rounded(measurement: Measurement, decimals: int) -> Measurement:
+def _rounded(measurement: Record, decimals: int) -> Record:
     each = measurement.channels.values()
     channels = [replace(c, values=np.round(c.values, decimals)) for c in each]
     for channel in channels:
         if not np.ptp(channel.values) > 0.0:
             rounded = f"constant when rounded to {decimals} decimals"
             raise RecordError(f"{channel.name} is {rounded}: keep more of them")
-    return Measurement.of(measurement.source, channels)
+    return Record.of(measurement.name, channels)

@@ -26,9 +26,9 @@ from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..motion.unknowns import M
 from ..project.wording import visible
+from ..records.channel import EXCITATIONS, ORDERS, Channel
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
-from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
+from ..records.record import Record
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
@@ -211,14 +211,14 @@ def identify_decays(
     return _of_records(read, options)
 
 
-def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
+def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> DecayOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     if k is None:
         options, k = with_stiffness_by_mass(partial(_of_records, records), options)
         mass = None
     outcome = identify_ring_downs(
-        [record.whole() for record in records],
+        [record.corrected() for record in records],
         k,
         mass=mass,
         mass_error=options["mass_standard_error_kg"] or 0.0,
@@ -234,7 +234,7 @@ def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any])
 
 @one_thread
 def identify_ring_downs(
-    records: Sequence[Measurement],
+    records: Sequence[Record],
     k: float,
     *,
     mass: float | None = None,
@@ -261,29 +261,29 @@ def identify_ring_downs(
     for record in records:
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
-                f"{record.source}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
+                f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
                 "and free decays are not identified together"
             )
         odd: list[Finding] = []
         channels = enumerate(record.responses, offsets)
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
-        warnings += [words.about(record.source) for words in odd]
+        warnings += [words.about(record.name) for words in odd]
         try:
-            separate, bursts = separate_fits(record.source, signals, k)
+            separate, bursts = separate_fits(record.name, signals, k)
         except NoDecay as error:
             raise ValueError(_unclear(record, k, str(error))) from None
         if not separate:
             few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
             raise ValueError(_unclear(record, k, few))
         warnings += [
-            Finding("no decay", {"time": float(burst.turn)}, of=record.source) for burst in bursts
+            Finding("no decay", {"time": float(burst.turn)}, of=record.name) for burst in bursts
         ]
         offsets += len(signals)
         fits += separate
     common, left_out = fit_all(fits)
     if common is None:
         raise ValueError(
-            f"{records[0].source}: no oscillator explains its free decays; check the stiffness and the units"
+            f"{records[0].name}: no oscillator explains its free decays; check the stiffness and the units"
         )
     warnings += [
         Finding("other decay", {"start": one.start, "end": one.end}, of=one.source)
@@ -311,19 +311,19 @@ def identify_ring_downs(
         names = ", ".join(dict.fromkeys(one.source for one in fit.decays))
         raise ValueError(f"{names}: {sentence(why, records[0].coordinate)}")
     rig = implied(fit, mass if agrees else None)
-    outcome = _solved(fit, rows_of(fit), tuple(record.source for record in records), rig, warnings)
+    outcome = _solved(fit, rows_of(fit), tuple(record.name for record in records), rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
 
 
-def _unclear(record: Measurement, k: float, why: str) -> str:
+def _unclear(record: Record, k: float, why: str) -> str:
     """Return how a record without a decay is reported.   k : N/m.   why : empty where the motion is another one."""
     channel = visible(record.excitation.name) if record.driven else ""
     drives = tuple(map(record.coordinate.noun, EXCITATIONS))
     found = Finding("no decay found", {"channel": channel, "drives": drives, "k": k, "why": why})
-    return f"{record.source}: {sentence(found, record.coordinate)}"
+    return f"{record.name}: {sentence(found, record.coordinate)}"
 
 
-def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Finding]) -> Signal:
+def _signal(record: Record, channel: Channel, offset: int, warnings: list[Finding]) -> Signal:
     """Return a channel of the mass, evenly sampled.   offset : its number."""
     channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values

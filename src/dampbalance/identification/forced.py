@@ -34,10 +34,10 @@ from ..findings.finding import UNBOUNDED, Finding
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
+from ..records.channel import ABSOLUTE, RELATIVE
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ABSOLUTE, RELATIVE
 from ..records.quantities import quantity
+from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -290,9 +290,7 @@ def identify_forced(
     return _of_records(read, law, options)
 
 
-def _of_records(
-    records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
-) -> ForcedOutcome:
+def _of_records(records: tuple[Record, ...], law: Law, options: Mapping[str, Any]) -> ForcedOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     if options["stiffness_N_per_m"] is None:
         require_driven_by(True, records, "no stiffness of a force")

@@ -25,7 +25,7 @@ from ..law.terms import FRICTION
 from ..project.files import plain, write_json, write_rows, write_text
 from ..project.wording import percent, sentence, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
-from ..records.measured import MeasuredRecord
+from ..records.record import Record
 from .answer import (
     CHECKS,
     NONE,
@@ -109,7 +109,7 @@ class Identified(ABC):
     rig: Sequence[Finding]
     settings: Mapping[str, Any]
     laws: LawComparison | None = None
-    records: tuple[MeasuredRecord, ...] = ()
+    records: tuple[Record, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
     hint: Finding | None = None
 

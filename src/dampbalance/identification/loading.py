@@ -13,8 +13,8 @@ from ..arrays import Array
 from ..findings.finding import Finding
 from ..findings.words import sentence
 from ..law.law import Law
-from ..records.measured import MeasuredRecord
-from ..records.measurement import EXCITATIONS, Correction, Measurement
+from ..records.channel import EXCITATIONS, Channel, Correction
+from ..records.record import Record
 from ..signals.checks import Unsettled, is_clipped
 from ..signals.conditioning import SteadyRecord, condition
 from ..signals.drive import stands_still
@@ -28,13 +28,13 @@ EXCERPT = (
 _TIMES = 3  # that a beginning is left out: a slow mode shows when a fast one has decayed
 
 
-def keeps_moving(record: MeasuredRecord) -> bool:
+def keeps_moving(record: Record) -> bool:
     """Return whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or
     strikes."""
-    return record.driven and not stands_still(record.recorded().excitation.values)
+    return record.driven and not stands_still(record.excitation.values)
 
 
-def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
+def levels_of(record: Record) -> tuple[Record, ...]:
     """Return a record for each dwell of the drive of a forced record, as of a staircase of levels; the record itself
     where its drive does not step.
 
@@ -42,7 +42,7 @@ def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
     """
     if not keeps_moving(record):
         return (record,)
-    drive = record.recorded().excitation
+    drive = record.excitation
     try:
         dwells = dwells_of(drive.t, drive.values)
     except Swept as error:
@@ -55,26 +55,22 @@ def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
             record,
             name=f"{record.name} (level {number})",
             label=f"{record.label} (level {number})",
-            measurement=_between(record.recorded(), dwell, f"{record.name} (level {number})"),
+            channels=_between(record, dwell),
             warnings=(*record.warnings, said),
         )
         for number, dwell in enumerate(dwells, start=1)
     )
 
 
-def _between(measurement: Measurement, dwell: Dwell, source: str) -> Measurement:
-    """Return the part of all channels in a dwell, as a measurement of its own."""
-    channels = {}
-    for quantity in measurement:
-        channel = measurement[quantity]
-        channels[quantity] = channel.part(
-            slice(*np.searchsorted(channel.t, (dwell.start, dwell.end)))
-        )
-    return replace(measurement, source=source, channels=channels)
+def _between(record: Record, dwell: Dwell) -> dict[str, Channel]:
+    """Return the part of all channels in a dwell."""
+    ends = (dwell.start, dwell.end)
+    channels = record.channels.items()
+    return {q: of.part(slice(*np.searchsorted(of.t, ends))) for q, of in channels}
 
 
 def load(
-    record: MeasuredRecord,
+    record: Record,
     k: float,
     *,
     frequency_hz: float | None = None,
@@ -95,12 +91,9 @@ def load(
         why = Finding("not forced", {"drives": tuple(map(record.coordinate.noun, EXCITATIONS))})
         raise ValueError(f"{record.name}: {sentence(why, record.coordinate)}")
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
-    recorded = record.recorded()
 
     def read(skipped: int) -> SteadyRecord:
-        return condition(
-            recorded, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass
-        )
+        return condition(record, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass)
 
     skipped = skip_cycles
     for _ in range(_TIMES):
@@ -147,8 +140,8 @@ def require_different_levels(readings: Sequence[Reading], k: float, law: Law) ->
 
 
 def unclipped(
-    records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
-) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Finding]]:
+    records: tuple[Record, ...], readings: list[Reading], law: Law
+) -> tuple[tuple[Record, ...], list[Reading], list[Finding]]:
     """Return the records that are not clipped, with their readings, and a finding on each other one; all of them where
     too few would be left to show how well they fit."""
     clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
@@ -160,12 +153,12 @@ def unclipped(
     return tuple(records[i] for i in kept), [readings[i] for i in kept], said
 
 
-def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tuple[Array, Array]:
+def excerpt(record: Record, quantity: str, steady: SteadyRecord) -> tuple[Array, Array]:
     """Return the leading steady samples of a channel, t (s) and values (SI units), for pictures.
 
     steady : the steady state of the record.
     """
-    channel = record.whole()[quantity]
+    channel = record.corrected()[quantity]
     t = channel.t
     cycles = int(np.searchsorted(t, t[0] + 6.0 * np.pi / steady.omega))
     count = max(EXCERPT, cycles)
@@ -174,8 +167,7 @@ def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tupl
     return t[part], channel.values[part]
 
 
-def correction_of(record: MeasuredRecord, quantity: str) -> Correction:
-    """Return gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
-    own = None if record.measurement is None else record.measurement[quantity].correction
-    rule = record.rules.channels.get(quantity)
-    return own or (rule.correction if rule else None) or Correction()
+def correction_of(record: Record, quantity: str) -> Correction:
+    """Return gain, delay and filters of a channel as they are known: none are those of a table."""
+    channel = record.channels.get(quantity)
+    return (channel and channel.correction) or Correction()

@@ -13,8 +13,9 @@ from ..findings.finding import Finding
 from ..findings.words import sentence
 from ..records.coordinate import TRANSLATION
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, as_records, require_different
+from ..records.measured import as_records, require_different
 from ..records.quantities import mass_with_error, read_quantity, with_error
+from ..records.record import Record
 from .loading import levels_of
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def records_of(
     mapping: MappingLike,
     reader: ReaderOfTables | None = None,
     **stated: Stated | None,
-) -> tuple[MeasuredRecord, ...]:
+) -> tuple[Record, ...]:
     """Read the records of one kind, several levels of excitation in one as a record for each.
 
     reader : of tables of a stepped sine, as for `as_records`.   stated : stiffness
@@ -103,7 +104,7 @@ def records_of(
     require_different(read)
     tables = kind == "stepped-sine"
     for record in read:
-        if (record.measurement is None) != tables:
+        if bool(record.channels) == tables:
             is_it = "no" if tables else "a"
             others = "forced records or free decays" if tables else IN_WORDS["stepped-sine"]
             raise ValueError(

@@ -11,8 +11,8 @@ from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..law.law import Law
 from ..records.coordinate import Coordinate
-from ..records.measured import MeasuredRecord
 from ..records.quantities import quantity
+from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from .loading import load
 from .oscillator import JointFit, joint_fit
@@ -54,7 +54,7 @@ def held_by(
     return {"contact_to": of_contact, "fixture_mass_kg": fixture}
 
 
-def require_driven_by(base: bool, records: Sequence[MeasuredRecord], code: str) -> None:
+def require_driven_by(base: bool, records: Sequence[Record], code: str) -> None:
     """Raise ValueError for the first record that is not driven by a base that moves, or by a force.   code : why that
     is needed."""
     for record in records:
@@ -62,7 +62,7 @@ def require_driven_by(base: bool, records: Sequence[MeasuredRecord], code: str) 
             raise ValueError(f"{record.name}: {sentence(Finding(code), record.coordinate)}")
 
 
-def masses_of(records: Sequence[MeasuredRecord], options: Mapping[str, Any]) -> Masses:
+def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
     """Return the masses of a rig from options by the keys of a configuration.
 
     A load cell feels the inertia of what is between it and the mass: f = mẍ + … + m_f ẍ, so that m + m_f moves.
@@ -93,7 +93,7 @@ def require_possible(
 
 def of_a_mount(
     joint: JointFit,
-    records: Sequence[MeasuredRecord],
+    records: Sequence[Record],
     k: float,
     masses: Masses,
     law: Law,

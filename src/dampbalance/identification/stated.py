@@ -21,7 +21,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..findings.finding import Finding
-from ..records.measurement import ACCOMPANYING, EXCITATIONS
+from ..records.channel import ACCOMPANYING, EXCITATIONS
 from .answer import REFERENCE, Answer
 from .identified import Identified
 from .loading import correction_of

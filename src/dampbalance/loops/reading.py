@@ -11,15 +11,15 @@ import numpy as np
 from ..findings.finding import Finding
 from ..identification.loading import correction_of
 from ..project.wording import listed, visible
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ACCOMPANYING
+from ..records.channel import ACCOMPANYING
+from ..records.record import Record
 from .cycles import Loop
 
 _CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
 
 
 def read_loops(
-    records: Sequence[MeasuredRecord], series: float | None
+    records: Sequence[Record], series: float | None
 ) -> tuple[tuple[Loop, ...], tuple[float, float] | None, list[Finding]]:
     """Return the loops of records, the mean normal force with its standard uncertainty, N, where all of them have one,
     and what is odd about the records.   series : stiffness of the fixture, N/m."""
@@ -35,7 +35,7 @@ def read_loops(
 
 
 def _loaded(
-    loops: Sequence[Loop], records: Sequence[MeasuredRecord]
+    loops: Sequence[Loop], records: Sequence[Record]
 ) -> tuple[tuple[Loop, ...], tuple[float, float]]:
     """Return the loops with their loads, as their normal forces make them, and the mean normal force with its standard
     uncertainty: of the scatter between cycles of a record, and of the gain."""
@@ -55,10 +55,10 @@ def _loaded(
     return tuple(loaded), (N, error)
 
 
-def _loop(record: MeasuredRecord, series: float | None) -> tuple[Loop, list[Finding]]:
+def _loop(record: Record, series: float | None) -> tuple[Loop, list[Finding]]:
     """Return the loop of a record, in the time in which all its channels are recorded, and a finding on time that is
     cut off.   series : stiffness of the fixture, N/m."""
-    channels = record.whole()
+    channels = record.corrected()
     moving = [q for q in ("displacement", "velocity") if q in record.quantities]
     if "force" not in record.quantities or not moving:
         raise ValueError(

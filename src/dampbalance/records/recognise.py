@@ -1,4 +1,4 @@
-"""The channels of a measurement in SI units from an open table: the one place where a record is checked.
+"""The channels of a record in SI units from an open table: the one place where a record is checked.
 
 Mapping, headings, units and samples say which channel holds what; each must have its unit and its times, and samples
 that are finite, within bounds, in equal steps, not constant, and no integers that ran over. Times that were rounded to
@@ -21,21 +21,14 @@ from ..findings.finding import Finding
 from ..findings.words import sentence
 from ..project.wording import shortened
 from . import errors
+from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
 from .mapping import ChannelRule, RecordMapping, Which
-from .measurement import (
-    EXCITATIONS,
-    QUANTITIES,
-    RESPONSES,
-    Channel,
-    Correction,
-    Measurement,
-    sample_times,
-)
 from .proposal import Proposal, proposed, unclear
+from .record import Record
 from .roles import LISTED, Roles, first_of
 from .table import RawChannel, Table
 from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
@@ -79,10 +72,8 @@ class Pick:
     coordinate: Coordinate = TRANSLATION
 
 
-def recognise(
-    table: Table, mapping: RecordMapping, *others: tuple[Table, RecordMapping]
-) -> Measurement:
-    """Return the measurement in an open table, in SI units.
+def recognise(table: Table, mapping: RecordMapping, *others: tuple[Table, RecordMapping]) -> Record:
+    """Return the record in an open table, in SI units.
 
     mapping : what the table does not say.   others : more tables that hold channels of the record, with their parts of
     the mapping.
@@ -97,7 +88,7 @@ def recognise(
     for file, of in ((table, mapping), *others):
         channels += _channels(file, picks_of(file, of, entire=not others))
     channels.sort(key=lambda channel: order.index(channel.quantity))
-    return Measurement.of(str(table.path), channels)
+    return Record.of(str(table.path), channels)
 
 
 def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:

@@ -13,7 +13,7 @@ and, of a mass m whose contact, spring and damper all sit on the base, which mov
 
     y_n → m(nω)² y_n/k,      x_n → r_n = x_n − y_n,
 
-after the known gain, delay and filters of the channel have been removed (`records/measurement.py`). The harmonics of
+after the known gain, delay and filters of the channel have been removed (`records/channel.py`). The harmonics of
 several response channels are averaged, each weighted by its inverse variance.
 """
 
@@ -29,9 +29,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from ..arrays import Array, Complexes, Integers
 from ..findings.finding import Finding
 from ..project.wording import visible
-from ..records.clock import GRID_TOLERANCE
-from ..records.coordinate import TRANSLATION
-from ..records.measurement import (
+from ..records.channel import (
     ABSOLUTE,
     ACCOMPANYING,
     ORDERS,
@@ -39,8 +37,10 @@ from ..records.measurement import (
     RESPONSES,
     Channel,
     Correction,
-    Measurement,
 )
+from ..records.clock import GRID_TOLERANCE
+from ..records.coordinate import TRANSLATION
+from ..records.record import Record
 from . import checks
 from .checks import ROUNDING, weighted_mean
 from .cycles import CycleHarmonics, cycle_harmonics, frequency_offset, powers
@@ -129,7 +129,7 @@ class SteadyRecord:
 
 @one_thread
 def condition(
-    measurement: Measurement,
+    measurement: Record,
     k: float,
     *,
     frequency_hz: float | None = None,
@@ -146,7 +146,7 @@ def condition(
     frequency, signals that contradict each other.
     """
     warnings: list[Finding] = []
-    source, driving = measurement.source, measurement.excitation.quantity
+    source, driving = measurement.name, measurement.excitation.quantity
     if not (math.isfinite(k) and k > 0.0):
         raise ValueError(f"{source}: the stiffness k must be positive, got {k}")
     kept = [q for q in measurement if q not in ACCOMPANYING]

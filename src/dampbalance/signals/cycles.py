@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..findings.finding import Finding
-from ..records.measurement import Correction
+from ..records.channel import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
