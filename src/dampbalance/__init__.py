@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from .motion.sliders import SlidersOrbit, sliders_orbit
     from .motion.states import State
     from .motion.transient import Trajectory, transient
+    from .records.channel import Channel
     from .records.errors import RecordError
-    from .records.measured import MeasuredRecord
-    from .records.measurement import Channel, Measurement
+    from .records.record import Record
     from .records.synthetic import measured_orbit, measured_ring_down
     from .studies.study import StudyResult, study
 
@@ -37,13 +37,12 @@ __all__ = [
     "Features",
     "Identified",
     "Interval",
-    "MeasuredRecord",
-    "Measurement",
     "NoSteadyOrbit",
     "Orbit",
     "Orbits",
     "Oscillator",
     "ParameterEstimate",
+    "Record",
     "RecordError",
     "Regime",
     "Rows",
@@ -83,9 +82,9 @@ _MODULES = {
     "motion.sliders": ("SlidersOrbit", "sliders_orbit"),
     "motion.states": ("State",),
     "motion.transient": ("Trajectory", "transient"),
+    "records.channel": ("Channel",),
     "records.errors": ("RecordError",),
-    "records.measured": ("MeasuredRecord",),
-    "records.measurement": ("Channel", "Measurement"),
+    "records.record": ("Record",),
     "records.synthetic": ("measured_orbit", "measured_ring_down"),
     "studies.study": ("StudyResult", "study"),
 }

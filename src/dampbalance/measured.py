@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal, Unpack, get_args
 
 from .arguments import one_of
+from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
 from .identification.identified import Identified
@@ -17,9 +18,10 @@ from .joints.records import read_lines
 from .joints.records import recognised_as_table as recognised_as_table
 from .loops.answer import identify_loops as identify_loops
 from .project.options import AnyOptions, Stated, asked, with_options
+from .records.channel import ACCOMPANYING
 from .records.mapping import MappingLike
-from .records.measured import MeasuredRecord, as_records
-from .records.measurement import ACCOMPANYING
+from .records.measured import as_records
+from .records.record import Record
 
 if TYPE_CHECKING:
     from .records.measured import RecordLike
@@ -43,12 +45,12 @@ def read_records(
     mapping: MappingLike = None,
     tables: bool | None = None,
     free: bool = False,
-) -> tuple[MeasuredRecord, ...]:
+) -> tuple[Record, ...]:
     """Return measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
     records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
     DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a `Table`, as
-    `records.readers.table` makes it; a `Measurement`; or a record already read. Columns and arrays are named like
+    `records.readers.table` makes it; or a `Record`, of channels or already read. Columns and arrays are named like
     those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number. A masked sample
     is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
@@ -70,7 +72,7 @@ def read_records(
     >>> (record,) = read_records({"time_s": t, "base_displacement_mm": base, "displacement_mm": mass})
     >>> record
     <record record 1: base_displacement and displacement; 2,000 samples from 0 s to 1.999 s at 1000 Hz>
-    >>> float(record.measurement["base_displacement"].values[0])  # m
+    >>> float(record["base_displacement"].values[0])  # m
     0.004
     """
     reader = None if tables is False else partial(read_lines, stated=bool(tables))
@@ -119,7 +121,7 @@ def identify(
     given = asked(kind, {"stiffness": stiffness, **options})
     if recognised:
         records = read_records(records, mapping=mapping)
-        if any(record.measurement is None for record in records):
+        if not all(record.channels for record in records):
             kind = "stepped-sine"
         elif not {"stiffness", "mass"} & given.keys() and all(map(_is_loop, records)):
             kind = "loops"
@@ -127,17 +129,11 @@ def identify(
             kind = "forced" if all(map(keeps_moving, records)) else "ring-down"
     found = WAYS[kind](records, mapping=mapping, **given)
     if recognised and kind == "loops":
-        found = replace(found, rig=[f"{found.rig[0]} {_GUESS}", *found.rig[1:]])
+        found = replace(found, rig=[found.rig[0], Finding("taken for loops"), *found.rig[1:]])
     return found
 
 
-_GUESS = (
-    "The records are taken for loops of a contact, as neither stiffness nor mass is given; if the force drives a mass "
-    "on a spring, give its stiffness (--stiffness): they are forced records then."
-)
-
-
-def _is_loop(record: MeasuredRecord) -> bool:
+def _is_loop(record: Record) -> bool:
     """Return whether a record holds a force and a displacement or velocity that keep moving, and nothing else but a
     normal force."""
     moving = {*record.quantities} - {*ACCOMPANYING, "force"}

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from dampbalance.identification.forced import identify_readings
-from dampbalance.records.measurement import Measurement
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.mean_harmonics import read_features
 from paper_case import PAPER, orbits_at
@@ -45,7 +45,7 @@ def measured(levels=(0.004, 0.008, 0.012), hz=3.5, **options):
 def changed(record, which, /, **changes):
     """The record with another channel of this quantity: other values, another name, a correction."""
     channels = [replace(record[q], **changes) if q == which else record[q] for q in record]
-    return Measurement.of(record.source, channels)
+    return Record.of(record.name, channels)
 
 
 def clipped(record, quantity, part):

@@ -9,7 +9,8 @@ import numpy as np
 from numba import njit
 
 from blind.decays import draw
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 
 # of an estimate: once in 16,000 of normal errors; the records are fixed
 FAR = 4.0
@@ -51,6 +52,6 @@ def struck(decay, instant, lasts, cycles=8.0, noise=1e-3):
     )
     values = motion[2]
     spread = noise * np.abs(values).max() * np.random.default_rng(1).standard_normal(samples)
-    return Measurement.of(
+    return Record.of(
         "struck", [Channel("acceleration", np.arange(samples) / decay.rate_hz, values + spread)]
     )

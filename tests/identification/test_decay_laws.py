@@ -15,7 +15,8 @@ from dampbalance.fit.decay import departures_of
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decay_laws import fit_law
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from fit.exact import decay_of, fitted
 from identification.releases import FAR, PLUCKED
 
@@ -136,7 +137,7 @@ def test_an_ac_coupling_of_a_decay_is_named_and_fitted_along():
     poles = butter(1, corner, "high", fs=1000.0, output="sos")
     values = sosfilt(poles, channel.values - channel.values[0])
     found = identify_ring_downs(
-        [Measurement.of("coupled", [Channel(channel.quantity, channel.t, values)])], SOUND.k
+        [Record.of("coupled", [Channel(channel.quantity, channel.t, values)])], SOUND.k
     )
     assert any("AC coupling" in words for words in found.warnings)
     assert found.fit.value("corner") == pytest.approx(corner, rel=0.05)

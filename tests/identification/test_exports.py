@@ -11,8 +11,8 @@ import pytest
 import yaml
 
 from dampbalance import Oscillator, identify, measured_orbit, measured_ring_down
+from dampbalance.records.channel import QUANTITIES, RESPONSES
 from dampbalance.records.errors import RecordError
-from dampbalance.records.measurement import QUANTITIES, RESPONSES
 from dampbalance.records.readers import mapping_to_start_from, read
 from paper_case import PAPER, orbits_at
 

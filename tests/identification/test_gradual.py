@@ -20,7 +20,8 @@ from dampbalance.identification.oscillator import joint_fit
 from dampbalance.model import Parameters
 from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, law_decay
 from dampbalance.motion.law_steady import Further, steady_response
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import read_features
 from identification.gradual_contacts import OMEGA, contact_of, harmonics_on
@@ -131,7 +132,7 @@ def records_on(osc, kind, noise, seed):
             Channel(name, t, values + noise * values.std() * random.standard_normal(t.size))
             for name, values in (("base_displacement", Y * np.cos(OMEGA * t)), ("displacement", x))
         ]
-        records.append(Measurement.of(f"level {Y}", channels))
+        records.append(Record.of(f"level {Y}", channels))
     return records
 
 
@@ -167,7 +168,7 @@ def test_free_decays_state_it_too():
     contact = CONTACTS["Dahl"](osc.K_z, osc.F_k)
     x = ring_down_on(contact, truth, 0.01, 0.0, contact[:, 1].copy(), 0.002, 4.0)[0]
     noisy = x + 1e-4 * np.random.default_rng(4).standard_normal(x.size)
-    record = Measurement.of("decay", [Channel("displacement", 0.002 * np.arange(x.size), noisy)])
+    record = Record.of("decay", [Channel("displacement", 0.002 * np.arange(x.size), noisy)])
     found = identify_ring_downs([record], osc.k)
     said = " ".join([*found.warnings, *found.rig, *found.answer.notes])
     assert "yields gradually" in said or found.verdicts["K_z"].verdict != "usable"

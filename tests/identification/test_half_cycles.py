@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from dampbalance.identification.remarks import contradiction
 
 from blind.decays import clean, record
 from dampbalance.fit.decay import Decay
 from dampbalance.identification.decays import _least_squares, identify_ring_downs
 from dampbalance.identification.half_cycles import rows_of, swings_of
-from dampbalance.identification.remarks import contradiction
 from dampbalance.signals.bursts import Signal
 from identification.releases import PLUCKED
 

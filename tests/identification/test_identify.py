@@ -18,7 +18,8 @@ from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import _parameter, identify_readings
 from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
 from dampbalance.law.law import Law
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 from dampbalance.solver import NORMAL_95, solve
 from fit.sampled import covariance, noise_of_rms
@@ -342,7 +343,7 @@ def gradual():
                 Channel(name, t, values + noise * values.std() * rng.standard_normal(t.size))
                 for name, values in (("base_displacement", y), ("displacement", x))
             ]
-            record = Measurement.of("gradual", channels)
+            record = Record.of("gradual", channels)
             records.append(read_features(record, GRADUAL.k, skip_cycles=10))
         return records
 

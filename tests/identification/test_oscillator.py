@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dampbalance.identification.remarks import doubted
 
 from dampbalance.identification.oscillator import NOT_CONVERGED, joint_fit, with_common_fit
-from dampbalance.identification.remarks import doubted
 from identification.levels import read
 from paper_case import NEAR, PAPER, orbits_at
 from signals.harmonics import lines_of

@@ -39,7 +39,7 @@ def decay():
 
 @pytest.fixture(scope="module")
 def doubtful():
-    whole = [record.measurement for record in read_records(FILES[::2])]
+    whole = read_records(FILES[::2])
     return identify([*whole[:2], clipped(whole[2], "acceleration", 0.9)], PAPER.k)
 
 

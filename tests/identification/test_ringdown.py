@@ -20,7 +20,8 @@ from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.half_cycles import rows_of
-from dampbalance.records.measurement import Channel, Correction, Measurement
+from dampbalance.records.channel import Channel, Correction
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit, measured_ring_down
 from dampbalance.records.writers import write
 from dampbalance.signals.bursts import Signal
@@ -188,7 +189,7 @@ def test_releases_of_one_record_may_scatter():
     values = np.hstack(parts)[0]
     values += 2e-5 * np.random.default_rng(0).standard_normal(values.size)
     channel = Channel("displacement", np.arange(values.size) / PLUCKED.rate_hz, values)
-    fit = identify_ring_downs([Measurement.of("three", [channel])], PLUCKED.k).fit
+    fit = identify_ring_downs([Record.of("three", [channel])], PLUCKED.k).fit
     for i, (force, F_k) in enumerate(zip(fit.frictions, frictions, strict=True)):
         place = fit.friction_places[i]
         assert abs(force - F_k) < FAR * math.sqrt(fit.covariance[place, place])
@@ -485,7 +486,7 @@ def test_a_drive_that_stands_still_is_none(tmp_path):
     t = measured["displacement"].t
     still = 1e-6 * np.random.default_rng(3).standard_normal(t.size)
     both = [Channel("base_displacement", t, still), measured["displacement"]]
-    write(tmp_path / "run.csv", Measurement.of("run", both))
+    write(tmp_path / "run.csv", Record.of("run", both))
     result = identify([tmp_path / "run.csv"], PLUCKED.k)
     holds(result, PLUCKED)
 

@@ -19,9 +19,10 @@ from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady
 from dampbalance.commands.main import main
 from dampbalance.measured import read_records
 from dampbalance.model import UNITS as OF_TRANSLATION
+from dampbalance.records.channel import Channel
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
 from dampbalance.records.errors import RecordError
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.record import Record
 from dampbalance.records.writers import write
 
 MASS, LENGTH, GRAVITY = 0.8, 0.15, 9.81  # of the bob, kg, from the pivot to it, m; m/s²
@@ -199,9 +200,9 @@ def test_an_angle_and_a_displacement_are_no_record(release, orbits):
     with pytest.raises(RecordError, match=r"'angle.*' rotates and 'force.*' moves along a line"):
         identify(both, 1.0)
     with pytest.raises(ValueError, match="'angle' rotates and 'force' moves along a line"):
-        Measurement.of("run", [Channel("angle", t, angles), Channel("force", t, np.sin(t))])
+        Record.of("run", [Channel("angle", t, angles), Channel("force", t, np.sin(t))])
     with pytest.raises(ValueError, match="'angle' rotates and 'displacement' moves along a line"):
-        Measurement.of("run", [Channel(q, t, angles) for q in ("angle", "displacement")])
+        Record.of("run", [Channel(q, t, angles) for q in ("angle", "displacement")])
     rules = {"channels": {"angle": {"channel": "angle"}, "force": {"channel": "force"}}}
     with pytest.raises(RecordError, match="holds angle and force: a record rotates or moves along"):
         read_records(both, mapping=rules)
@@ -237,7 +238,7 @@ def test_commands_write_records_that_rotate(tmp_path, command, columns):
     (record,) = read_records(path)
     assert record.coordinate == ROTATION
     assert [*record.to_frame()] == columns
-    assert "rad" in record.whole().responses[0].unit
+    assert "rad" in record.corrected().responses[0].unit
 
 
 def test_a_mapping_names_the_quantities_of_a_rotation(release):
@@ -247,7 +248,7 @@ def test_a_mapping_names_the_quantities_of_a_rotation(release):
     (record,) = read_records(table, mapping=rules)
     assert record.coordinate is ROTATION
     # a degree and its inverse, each rounded
-    assert record.whole()["displacement"].values == pytest.approx(angles, rel=1e-15)
+    assert record.corrected()["displacement"].values == pytest.approx(angles, rel=1e-15)
     rules["channels"]["angle"]["unit"] = "mm"
     with pytest.raises(RecordError, match="'mm' is a unit of length, but angle needs one of angle"):
         read_records(table, mapping=rules)

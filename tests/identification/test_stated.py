@@ -19,7 +19,7 @@ from dampbalance import (
 )
 from dampbalance.commands.identify import ARGUMENTS
 from dampbalance.project.options import OPTIONS, configured, contradictions
-from dampbalance.records.measurement import Correction
+from dampbalance.records.channel import Correction
 from dampbalance.records.quantities import with_error
 from identification.levels import THREE, changed, measured
 from paper_case import LEVELS, PAPER, orbits_at

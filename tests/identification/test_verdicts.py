@@ -10,6 +10,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dampbalance.identification.remarks import (
+    Limit,
+    agreement,
+    doubted,
+    forbidden,
+    in_a_sentence,
+    limits,
+    notes_on,
+    on_records,
+)
 
 from dampbalance.balance import Rows
 from dampbalance.identification.answer import (
@@ -23,16 +33,6 @@ from dampbalance.identification.answer import (
 )
 from dampbalance.identification.identified import Identified
 from dampbalance.identification.oscillator import FAR, JointFit, Microstick
-from dampbalance.identification.remarks import (
-    Limit,
-    agreement,
-    doubted,
-    forbidden,
-    in_a_sentence,
-    limits,
-    notes_on,
-    on_records,
-)
 from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import Remark, factor, listed, times
 

@@ -86,7 +86,7 @@ def test_phases_are_understood_however_they_are_counted(response, quarters, sign
     assert way in repr(record)
     assert "42 lines at 2 levels" in repr(record)
     with pytest.raises(RecordError, match="is a table of steady responses, without samples"):
-        record.whole()
+        record.corrected()
 
 
 def test_phases_that_are_counted_on_over_a_turn():
@@ -327,7 +327,7 @@ def test_a_record_in_time_is_no_table():
     more = {"frequency (Hz)": np.full(t.size, 3.5), "phase (rad)": np.sin(t)}
     (record,) = read_records(columns | more)
     assert not isinstance(record, SteppedRecord)
-    assert {*record.whole()} == {"base_displacement", "displacement"}
+    assert {*record.corrected()} == {"base_displacement", "displacement"}
 
 
 def test_columns_of_levels_stand_in_the_same_groups(tmp_path):

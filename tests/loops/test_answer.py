@@ -14,7 +14,8 @@ from dampbalance.identification.outputs import outputs_of
 from dampbalance.loops import answer
 from dampbalance.loops.fit import SLIDERS, WITHIN, fit_gradual
 from dampbalance.motion.play import play
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from folders import ROOT
 from loops.test_fit import F_K, K_Z, SINE, TRIANGLE, C, T, X, loop, stepped
 
@@ -336,7 +337,7 @@ def test_time_in_which_a_channel_is_missing_is_left_out_and_said():
 
     def channels(until, start=0.0):
         force = Channel("force", T[:until] + start, record["force_N"][:until])
-        return Measurement.of("x", [force, Channel("displacement", T, SINE)])
+        return Record.of("x", [force, Channel("displacement", T, SINE)])
 
     found = identify_loops(channels(T.size // 2))
     low, high = found.intervals["F_k"]

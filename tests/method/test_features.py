@@ -22,7 +22,7 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.motion.orbits import steady_orbits
 from dampbalance.replication.clean import of_record
 from dampbalance.replication.read_out import ReadOut
-from dampbalance.replication.record import Record
+from dampbalance.replication.record import SimulatedRecord
 from dampbalance.replication.sampled import _first_reversal, integral
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER
 
@@ -35,7 +35,7 @@ def sampled(orbit, per_cycle, cycles=2.3, start=0.03):
     """An exact record of the orbit; per_cycle samples a cycle, not necessarily whole."""
     t = start + np.arange(int(cycles * per_cycle)) * orbit.motion.period / per_cycle
     state = orbit.state(t)
-    return Record(t, orbit.motion.y(t), state.x, state.v, state.acceleration)
+    return SimulatedRecord(t, orbit.motion.y(t), state.x, state.v, state.acceleration)
 
 
 def worst(read, exact, *names):
@@ -218,7 +218,7 @@ def test_a_sample_at_the_reversal_itself_comes_after_it():
     t = exact.t_1 + np.arange(-7, 2300) * exact.motion.period / 1000
     state = exact.state(t)
     v = np.where(np.arange(t.size) % 500 == 7, 0.0, state.v)  # rounding of the exact zeros
-    record = Record(t, exact.motion.y(t), state.x, v, state.acceleration)
+    record = SimulatedRecord(t, exact.motion.y(t), state.x, v, state.acceleration)
     assert _first_reversal(record.x, record.v, 1000.0) == 6
     features = of_record(record, OMEGA, PAPER.k)
     # a thousandth of a cycle between samples, to the fourth power, and t_s is a hundredth of the cycle

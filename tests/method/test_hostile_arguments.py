@@ -19,9 +19,9 @@ import pytest
 from dampbalance import (
     BaseMotion,
     Channel,
-    Measurement,
     NoSteadyOrbit,
     Oscillator,
+    Record,
     RecordError,
     Regime,
     identify,
@@ -41,7 +41,7 @@ from dampbalance.project.documents import ConfigurationError
 from dampbalance.records.readers import read, table
 from dampbalance.records.writers import write
 from dampbalance.replication.fixed_step import simulate
-from dampbalance.replication.record import Record
+from dampbalance.replication.record import SimulatedRecord
 from dampbalance.solver import contact_stiffness
 from paper_case import PAPER
 
@@ -171,7 +171,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
         | {"c_over_m": 37.0, "k_over_m": 950.0, "stick_samples": 0},
         lambda record: finite(record.x),
     ),
-    "Record": (Record, {"t": T, "y": T, "x": T, "v": T, "acceleration": T}, lambda r: finite(r.x)),
+    "SimulatedRecord": (SimulatedRecord, {"t": T, "y": T, "x": T, "v": T, "acceleration": T}, lambda r: finite(r.x)),
     "Features.with_phase": (FEATURES.with_phase, {"phase": "reversal"}, repr),
     "Features.with_common": (lambda name: FEATURES.with_common(name), {"name": "phi"}, repr),
     "Features.replaced": (FEATURES.replaced, {"X": 0.004, "phi": 1.0, "Y": [0.004]}, repr),
@@ -181,8 +181,8 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
         {"quantity": "displacement", "t": T, "values": np.sin(T), "name": "A1"},
         lambda channel: finite(channel.values),
     ),
-    "Measurement": (Measurement, {"source": "a", "channels": {}}, repr),
-    "Measurement.of": (Measurement.of, {"source": "a", "channels": []}, repr),
+    "Record": (Record, {"name": "a", "channels": {}}, repr),
+    "Record.of": (Record.of, {"name": "a", "channels": []}, repr),
     "measured_orbit": (
         measured_orbit,
         {"orbit": ORBIT, "cycles": 2.0, "channels": ["displacement"], "start": 0.0, **RATE},
@@ -201,7 +201,7 @@ CALLS: dict[str, tuple[Callable[..., object], dict[str, object], Callable[..., o
     ),
     "a signal": (signals, {"displacement_m": np.sin(T), "time_s": T}, repr),
     "the rate": (lambda dt: signals(dt=dt, time_s=np.sin(T)), {"dt": 0.1}, repr),
-    "write": (write, {"path": "", "measurement": STEADY[0]}, repr),
+    "write": (write, {"path": "", "record": STEADY[0]}, repr),
     "read": (read, {"path": "level1.csv", "mapping": None}, repr),
     "table": (table, {"path": "level1.csv", "mapping": None}, lambda file: repr(file.channels)),
     "study": (

@@ -9,9 +9,9 @@ import json
 import re
 
 import pytest
+from dampbalance.identification.symptoms import PAGE, SYMPTOMS, address
 
 from dampbalance.commands.main import parser
-from dampbalance.identification.symptoms import PAGE, SYMPTOMS, address
 from dampbalance.project.wording import with_error
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared

@@ -7,9 +7,9 @@ import sys
 from importlib import import_module
 
 import pytest
+from dampbalance.identification.symptoms import SYMPTOMS, address, symptoms_in
 
 from dampbalance.identification.causes import CAUSES
-from dampbalance.identification.symptoms import SYMPTOMS, address, symptoms_in
 from folders import ROOT
 
 pytestmark = pytest.mark.slow

@@ -16,8 +16,9 @@ from dampbalance import (
     read_records,
     steady_orbit,
 )
+from dampbalance.records.channel import Channel
 from dampbalance.records.mapping import mapping_from
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.record import Record
 from identification.levels import changed
 from loops.test_fit import SINE, T, loop
 from paper_case import LEVELS, OMEGA, PAPER
@@ -54,7 +55,7 @@ def free():
 
 def loops():
     force = Channel("force", T, loop(c=30.0).f)
-    return [Measurement.of("loops", [force, Channel("displacement", T, SINE)])]
+    return [Record.of("loops", [force, Channel("displacement", T, SINE)])]
 
 
 @pytest.mark.parametrize("kind", [forced, free, loops])
@@ -74,10 +75,10 @@ def test_samples_leave_corrected_once():
     (clean,) = loops()
     (record,) = read_records([distorted(clean)])
     x = clean["displacement"]
-    whole = record.whole()["displacement"]
+    whole = record.corrected()["displacement"]
     inside = slice(50, -50)  # the filter starts from rest
     np.testing.assert_allclose(whole.values[inside], x.values[inside], atol=2e-3 * np.ptp(x.values))
     np.testing.assert_allclose(whole.t, x.t, atol=1e-12)
     np.testing.assert_array_equal(whole.corrected().values, whole.values)
-    recorded = record.recorded()["displacement"]
+    recorded = record["displacement"]
     np.testing.assert_array_equal(recorded.t, x.t + DELAY)

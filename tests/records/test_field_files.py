@@ -306,7 +306,7 @@ def test_a_plain_array_is_refused_with_a_mapping_that_reads_it(tmp_path, turned)
             "time": {"channel": 1, "unit": "s"},
         },
     )
-    same(record.measurement, base_displacement=1e-3 * Y, acceleration=G * A)
+    same(record, base_displacement=1e-3 * Y, acceleration=G * A)
 
 
 class Hostile:
@@ -421,7 +421,7 @@ def test_a_table_is_a_record(tmp_path):
     (record,) = read_records(opened)
     path.unlink()  # nothing is left to be read
     (record,) = read_records(opened)
-    same(record.measurement, base_displacement=1e-3 * Y, acceleration=G * A)
+    same(record, base_displacement=1e-3 * Y, acceleration=G * A)
     assert record.name == str(path)
 
 

@@ -144,10 +144,10 @@ def test_stamps_of_a_millisecond_do_not_hide_a_row(digits):
     (lost,) = rows(lambda v: np.delete(v, 2600))([records[0]])
     (record,) = read_records(lost)
     gap = np.arange(records[0]["time_s"].size) == 2600
-    assert np.array_equal(record.measurement["displacement"].missing, gap)
+    assert np.array_equal(record["displacement"].missing, gap)
     other = records[0] | {"time_s": np.round(np.arange(gap.size) / 999.7, 3)}
     (record,) = read_records(other)
-    assert record.measurement["displacement"].missing is None
+    assert record["displacement"].missing is None
     assert "is rounded to 0.001 s" in record.warnings[0]
 
 

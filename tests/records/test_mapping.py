@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
+from dampbalance.records.channel import QUANTITIES, ROTATING
 from dampbalance.records.errors import RecordError
 from dampbalance.records.headings import TEMPERATURE, WORDS
 from dampbalance.records.mapping import (
@@ -21,7 +22,6 @@ from dampbalance.records.mapping import (
     parts_of,
     read_mapping,
 )
-from dampbalance.records.measurement import QUANTITIES, ROTATING
 from dampbalance.records.readers import FORMATS, read
 from dampbalance.records.units import UNITS
 from folders import ROOT

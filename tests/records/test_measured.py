@@ -23,7 +23,7 @@ ARRAYS = {"time_s": T, "base_displacement_mm": 1e3 * Y, "acceleration_g": A / 9.
 
 def same(record, exact=0.0):
     """Whether a record holds the signals made: to rounding of a change of units, unless exact."""
-    measurement = record.measurement
+    measurement = record
     assert record.quantities == BOTH
     for quantity, values in zip(BOTH, (Y, A), strict=True):
         np.testing.assert_allclose(measurement[quantity].values, values, rtol=1e-15, atol=0.0)
@@ -69,8 +69,8 @@ def test_a_masked_sample_is_missing(form, table):
     if table is pd.DataFrame and form.startswith("masked"):
         pytest.skip("pandas makes NaN of a mask itself")
     (record,) = read_records(table(ARRAYS | {"acceleration_g": MISSING[form]}))
-    assert np.array_equal(record.measurement["acceleration"].missing, HIDDEN)
-    assert record.measurement["base_displacement"].missing is None
+    assert np.array_equal(record["acceleration"].missing, HIDDEN)
+    assert record["base_displacement"].missing is None
     (said,) = record.warnings
     assert said.endswith(
         "1 sample is empty or not a number, and left out of what is fitted: sample 8"
@@ -91,8 +91,8 @@ def test_masked_times_are_missing_too():
         hidden = np.ma.array(times, mask=HIDDEN)
         (record,) = read_records({"time" + "_s" * (times is T): hidden} | SIGNALS)
         for quantity in BOTH:
-            assert np.array_equal(record.measurement[quantity].missing, HIDDEN)
-            np.testing.assert_allclose(record.measurement[quantity].t, T, rtol=0.0, atol=2e-9)
+            assert np.array_equal(record[quantity].missing, HIDDEN)
+            np.testing.assert_allclose(record[quantity].t, T, rtol=0.0, atol=2e-9)
         assert record.to_frame().isna().sum().tolist() == [1, 1]
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.records.measurement import Channel, Measurement, sample_times
+from dampbalance.records.channel import Channel, sample_times
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
 from paper_case import NEAR, OMEGA, PAPER
 
@@ -55,11 +56,11 @@ def test_a_channel_that_is_no_signal_is_refused_by_name(arguments, message):
 )
 def test_a_measurement_has_one_excitation_at_most_and_a_response(quantities, message):
     with pytest.raises(ValueError, match=f"run7: .*{message}|run7: the channels .*{message}"):
-        Measurement.of("run7", [channel(q, name=f"c{i}") for i, q in enumerate(quantities)])
+        Record.of("run7", [channel(q, name=f"c{i}") for i, q in enumerate(quantities)])
 
 
 def test_a_free_decay_has_no_excitation():
-    free = Measurement.of("run7", [channel("displacement")])
+    free = Record.of("run7", [channel("displacement")])
     assert not free.driven
     with pytest.raises(ValueError, match=r"run7: needs one excitation .* found none"):
         _ = free.excitation

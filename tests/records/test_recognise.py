@@ -33,7 +33,7 @@ def test_a_file_and_arrays_take_the_same_way(tmp_path):
     for source, opened in {str(path): table(path), "run": signals_file("run", COLUMNS)}.items():
         measurement = recognise(opened, RecordMapping())
         assert_signals(measurement)
-        assert measurement.source == source
+        assert measurement.name == source
 
 
 def test_tables_of_one_record_are_put_together():

@@ -10,9 +10,10 @@ import scipy.io
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from dampbalance.records.channel import Channel
 from dampbalance.records.errors import RecordError
-from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.readers import read
+from dampbalance.records.record import Record
 from dampbalance.records.writers import write
 
 SUFFIXES = (".csv", ".tsv", ".txt", ".mat")
@@ -25,7 +26,7 @@ def measurement(rate=5000.0, n=300, start=0.0, seed=7):
     t = start + np.arange(n) / rate
     values = random.standard_normal((3, n)) * 10.0 ** random.integers(-9, 3, (3, n))
     quantities = ("base_displacement", "displacement", "acceleration")
-    return Measurement.of("made up", list(map(Channel, quantities, [t] * 3, values)))
+    return Record.of("made up", list(map(Channel, quantities, [t] * 3, values)))
 
 
 def assert_same(found, expected):
@@ -43,14 +44,14 @@ def test_round_trip(tmp_path, suffix, rate):
     assert list(tmp_path.iterdir()) == [file]  # nothing temporary is left
     found = read(tmp_path / f"run{suffix}")
     assert_same(found, record)
-    assert found.source == str(tmp_path / f"run{suffix}")
+    assert found.name == str(tmp_path / f"run{suffix}")
 
 
 FAST, SLOW = measurement(5000.0, 300), measurement(1000.0, 61, seed=8)
 TIMES = {
     # a rate and a start that no short number holds
     "no simple grid": measurement(rate=1234.567, start=0.1234567890123),
-    "times of its own for each": Measurement.of(
+    "times of its own for each": Record.of(
         "made up", [FAST["base_displacement"], SLOW["acceleration"]]
     ),
 }
@@ -112,7 +113,7 @@ def moves(column):
 def test_any_sound_values_come_back(tmp_path_factory, rate, values):
     columns = np.array(values).T
     t = np.arange(columns.shape[1]) / rate
-    record = Measurement.of(
+    record = Record.of(
         "made up", [Channel("force", t, columns[0]), Channel("velocity", t, columns[1])]
     )
     folder = tmp_path_factory.mktemp("round_trip")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance.replication.record import RECORD_COLUMNS, Record
+from dampbalance.replication.record import RECORD_COLUMNS, SimulatedRecord
 
 I = np.arange(101)
 T = 0.01 * I
@@ -13,7 +13,7 @@ T = 0.01 * I
 
 def record(**changed):
     signals = {"t": T, "y": np.cos(T), "x": np.sin(T), "v": np.cos(T), "acceleration": -np.sin(T)}
-    return Record(**signals | changed)
+    return SimulatedRecord(**signals | changed)
 
 
 def test_signals_are_read_only_copies():
@@ -34,15 +34,24 @@ def test_step_and_length():
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"x": np.sin(T)[:-1]}, "Record.x has 100 samples, t has 101"),
-        ({"v": np.where(I == 7, np.nan, T)}, r"Record.v is nan at sample 7 \(1 in all\)"),
-        ({"y": np.where(I >= 99, np.inf, T)}, r"Record.y is inf at sample 99 \(2 in all\)"),
+        ({"x": np.sin(T)[:-1]}, "SimulatedRecord.x has 100 samples, t has 101"),
+        ({"v": np.where(I == 7, np.nan, T)}, r"SimulatedRecord.v is nan at sample 7 \(1 in all\)"),
+        (
+            {"y": np.where(I >= 99, np.inf, T)},
+            r"SimulatedRecord.y is inf at sample 99 \(2 in all\)",
+        ),
         ({"t": np.where(T > 0.5, T + 0.02, T)}, r"gap of 0.03 s after 0.5 s \(sample 50\)"),
-        ({"t": T[::-1]}, "Record.t does not increase"),
-        ({"t": np.where(I == 3, T[2], T)}, "Record.t does not increase from sample 2 to 3"),
+        ({"t": T[::-1]}, "SimulatedRecord.t does not increase"),
+        (
+            {"t": np.where(I == 3, T[2], T)},
+            "SimulatedRecord.t does not increase from sample 2 to 3",
+        ),
         ({"t": T + 0.001 * (I == 40)}, r"not in equal steps: 0.401 s \(sample 40\)"),
         ({"t": T**1.02}, "not in equal steps"),
-        ({"x": np.zeros((101, 2))}, r"Record.x must be one-dimensional, got shape \(101, 2\)"),
+        (
+            {"x": np.zeros((101, 2))},
+            r"SimulatedRecord.x must be one-dimensional, got shape \(101, 2\)",
+        ),
         ({"t": T[:2]}, "at least 3 samples, got 2"),
     ],
     ids=["length", "nan", "inf", "gap", "backwards", "twice", "jitter", "drift", "shape", "few"],
@@ -54,7 +63,7 @@ def test_what_is_not_a_record_is_refused_by_name(changed, message):
 
 def test_times_written_with_few_digits_are_uniform_enough():
     # 0.3 ms steps printed to 10 µs: each time off by up to 5 µs, a sixtieth of a step.
-    made = Record(t=np.round(np.arange(101) * 3.0e-4, 5), y=T, x=T)
+    made = SimulatedRecord(t=np.round(np.arange(101) * 3.0e-4, 5), y=T, x=T)
     assert made.dt == pytest.approx(3.0e-4, rel=1e-12)
 
 
@@ -67,5 +76,5 @@ def test_frames_keep_every_bit_and_say_their_units():
 
 
 def test_signals_that_are_missing_stay_missing():
-    frame = Record(t=T, y=np.cos(T), x=np.sin(T)).to_frame()
+    frame = SimulatedRecord(t=T, y=np.cos(T), x=np.sin(T)).to_frame()
     assert list(frame.columns) == ["time_s", "y_m", "x_m"]

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit, transient
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.checks import few_bits
 from dampbalance.signals.conditioning import _bandwidth, condition
@@ -27,13 +28,13 @@ def _measured(channels=("base_displacement", "displacement"), noise=0.01, cycles
     )
 
 
-def _with(measurement: Measurement, quantity: str, **changed) -> Measurement:
+def _with(measurement: Record, quantity: str, **changed) -> Record:
     channels = {**measurement.channels, quantity: replace(measurement[quantity], **changed)}
-    return Measurement.of(measurement.source, list(channels.values()))
+    return Record.of(measurement.name, list(channels.values()))
 
 
-def _pair(t, y, x) -> Measurement:
-    return Measurement.of("pair", [Channel(ALL[0], t, y), Channel(ALL[1], t, x)])
+def _pair(t, y, x) -> Record:
+    return Record.of("pair", [Channel(ALL[0], t, y), Channel(ALL[1], t, x)])
 
 
 def warnings_of(record, **known) -> str:
@@ -64,7 +65,7 @@ def test_a_force_leaves_the_base_at_rest():
     """Against it and against the ground are the same; both are averaged where both were measured."""
     record = _measured(("force", "displacement"), 0.0)
     renamed = replace(record["displacement"], quantity="relative_displacement")
-    relative = condition(Measurement.of("relative", [record["force"], renamed]), PAPER.k)
+    relative = condition(Record.of("relative", [record["force"], renamed]), PAPER.k)
     np.testing.assert_array_equal(relative.X, condition(record, PAPER.k).X)
 
 
@@ -111,7 +112,7 @@ def test_each_response_gives_the_same_harmonics(response):
 def test_channels_may_have_different_times():
     slow = measured_orbit(ORBIT, rate_hz=613.0, cycles=30.0, start=0.0371, noise=0.0)
     fast = _measured(noise=0.0)
-    mixed = Measurement.of("mixed", [slow["base_displacement"], fast["displacement"]])
+    mixed = Record.of("mixed", [slow["base_displacement"], fast["displacement"]])
     a, b = condition(mixed, PAPER.k), condition(fast, PAPER.k)
     assert a.start == pytest.approx(0.0371)
     assert ratio_of(a) == pytest.approx(ratio_of(b), rel=1e-9)
@@ -287,7 +288,7 @@ def test_skew_between_responses_is_measured():
     options = {"rate_hz": 2000.0, "cycles": 30.4, "noise": 0.01, "seed": 8, "channels": channels}
     late = measured_orbit(ORBIT, start=-delay, **options)["acceleration"]
     late = replace(late, t=late.t + delay)
-    both = Measurement.of("skewed", [*_measured().channels.values(), late])
+    both = Record.of("skewed", [*_measured().channels.values(), late])
     steady = condition(both, PAPER.k)
     (lag,) = (r.of[3] for r in steady.warnings if "acceleration lags displacement" in r)
     # white noise of 1 % in two channels of 12,360 samples: 13e-5 rad, 4 µs

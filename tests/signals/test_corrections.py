@@ -10,10 +10,11 @@ from scipy import signal
 
 from dampbalance import BaseMotion, read_records, steady_orbit
 from dampbalance.identification.loading import load
+from dampbalance.records.channel import Channel
 from dampbalance.records.errors import RecordError
 from dampbalance.records.mapping import mapping_from
-from dampbalance.records.measurement import Channel, Measurement
 from dampbalance.records.readers import read
+from dampbalance.records.record import Record
 from dampbalance.records.writers import write
 from dampbalance.signals.conditioning import condition
 from paper_case import OMEGA, PAPER
@@ -54,7 +55,7 @@ def _conditioned(displacement, correction=None):
     """The steady state of these samples of the displacement, and a clean base."""
     base = Channel("base_displacement", T, MOTION.Y * np.cos(OMEGA * T))
     x = Channel("displacement", T, displacement, "x", correction)
-    return condition(Measurement.of("x", [base, x]), PAPER.k)
+    return condition(Record.of("x", [base, x]), PAPER.k)
 
 
 HARMONICS = [X * np.exp(-1j * lag) for X, lag in map(ORBIT.harmonic, ORDERS.tolist())]
@@ -97,7 +98,7 @@ def test_gain_delay_and_filters_are_taken_off(quantity, told, response, of):
         amplitudes = [MOTION.Y] if q == "base_displacement" else HARMONICS
         rule = mapping.channels[q]
         made.append(Channel(q, T, _sampled(amplitudes, through, q), q, rule.correction))
-    steady = condition(Measurement.of("made", made), PAPER.k)
+    steady = condition(Record.of("made", made), PAPER.k)
     assert steady.warnings == ()
     Y = steady.mean(steady.Y)[1]
     assert abs(Y) == pytest.approx(MOTION.Y, rel=1e-9)
@@ -190,5 +191,5 @@ def test_what_needs_a_correction_yet_is_not_written(tmp_path):
     correction = _correction(gain=2)
     made = [Channel(q, T, np.cos(T), q, correction) for q in ("force", "displacement")]
     with pytest.raises(RecordError, match="cannot store the correction of the force"):
-        write(tmp_path / "out.csv", Measurement.of("x", made))
+        write(tmp_path / "out.csv", Record.of("x", made))
     assert not list(tmp_path.iterdir())

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, identify, steady_orbit, transient
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.conditioning import condition
 from dampbalance.signals.drive import frequency_of, onset, stands_still
@@ -48,7 +49,7 @@ def test_a_slow_drive_of_a_fast_record_is_identified():
         assert found.verdicts[symbol].verdict == "usable"
 
 
-def begun(still, *, rate=51200.0, cycles=20.0, noise=0.002, Y=0.004, seed=0) -> Measurement:
+def begun(still, *, rate=51200.0, cycles=20.0, noise=0.002, Y=0.004, seed=0) -> Record:
     """A record that begins so many seconds before the drive does, from rest."""
     motion = BaseMotion(Y=Y, omega=OMEGA)
     t = np.arange(round((still + cycles * motion.period) * rate)) / rate
@@ -60,7 +61,7 @@ def begun(still, *, rate=51200.0, cycles=20.0, noise=0.002, Y=0.004, seed=0) -> 
         Channel(q, t, s + noise * np.ptp(s) * rng.standard_normal(t.size) + 1e-3)
         for q, s in signals.items()
     ]
-    return Measurement.of(f"Y = {Y:g} m", channels)
+    return Record.of(f"Y = {Y:g} m", channels)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.002, 0.02])
@@ -133,7 +134,7 @@ def test_the_number_of_cycles_that_a_message_names_counts_from_the_start_and_suf
     for size in (0.02, 0.3):  # reported, and refused
         x = measured["displacement"]
         settling = 1.0 + size * (x.t < x.t[0] + 8.0 * MOTION.period)
-        record = Measurement.of(
+        record = Record.of(
             "run",
             [measured["base_displacement"], Channel("displacement", x.t, x.values * settling)],
         )

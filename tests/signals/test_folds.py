@@ -13,7 +13,8 @@ from scipy.stats import binom
 from blind import folding
 from dampbalance import BaseMotion, Oscillator, identify_forced, steady_orbit
 from dampbalance.motion.law_steady import steady_response
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.conditioning import condition
 from dampbalance.signals.lines import Lines
@@ -84,7 +85,7 @@ def test_the_oscillator_is_found_with_a_filter_and_without(hertz, filtered):
             Channel(q, t, s + 0.002 * np.sqrt(np.mean(s**2)) * rng.standard_normal(count))
             for q, s in signals.items()
         ]
-        records.append(Measurement.of(f"level {i}", channels))
+        records.append(Record.of(f"level {i}", channels))
     found = identify_forced(records, stiffness=OSC.k)
     assert not found.joint.explained
     part, error = (of("folded") for of in (found.joint.fit.value, found.joint.fit.error))

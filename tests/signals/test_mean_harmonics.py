@@ -10,7 +10,7 @@ import pytest
 
 from dampbalance.features import FEATURE_COLUMNS, of_orbit
 from dampbalance.fit.steady_search import fit_records
-from dampbalance.records.measurement import Measurement
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.mean_harmonics import Means, Reading, read_features
 from dampbalance.solver import NORMAL_95
@@ -190,7 +190,7 @@ def test_another_waveform_has_no_onset_and_its_harmonics_are_its_own():
     added = 2e-5
     values = channel.values + added * np.cos(5.0 * OMEGA * channel.t + 1.0)
     wrong = replace(channel, values=values)
-    reading = with_own_fit(read_features(Measurement.of("distorted", [base, wrong]), PAPER.k))
+    reading = with_own_fit(read_features(Record.of("distorted", [base, wrong]), PAPER.k))
     assert reading.waveform is None
     assert reading.slips is None
     f = reading.features

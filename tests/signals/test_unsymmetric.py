@@ -11,7 +11,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.signals.conditioning import condition
 from dampbalance.signals.mean_harmonics import Reading
 from signals.stopping import Steady, Stopping, steady
@@ -31,7 +32,7 @@ def motion(name: str) -> Steady:
     return steady(MOTIONS[name])
 
 
-def record(of: Steady, noise=0.0, seed=0, step=0.0, rate=250.0, cycles=10.2) -> Measurement:
+def record(of: Steady, noise=0.0, seed=0, step=0.0, rate=250.0, cycles=10.2) -> Record:
     """Base and mass with noise (rms over that of each signal), rounded to steps of a converter, m."""
     t = 0.013 + np.arange(int(cycles * rate * 2.0 * math.pi / of.of.omega)) / rate
     rng = np.random.default_rng(seed)
@@ -39,7 +40,7 @@ def record(of: Steady, noise=0.0, seed=0, step=0.0, rate=250.0, cycles=10.2) -> 
     for quantity, clean in (("base_displacement", of.of.y(t)), ("displacement", of.x(t))):
         values = clean + noise * clean.std() * rng.standard_normal(t.size)
         channels.append(Channel(quantity, t, step * np.round(values / step) if step else values))
-    return Measurement.of(str(seed), channels)
+    return Record.of(str(seed), channels)
 
 
 def reading(of: Steady, *args, **more) -> Reading:
@@ -154,7 +155,7 @@ def test_stops_that_begin_earlier_in_one_cycle_than_in_the_next_are_no_drop_outs
     early = np.interp(t, np.arange(22) / 2.0, 0.01 * rng.standard_normal(22))
     x = 1e-6 * np.round(of.x(t + early) / 1e-6 + 0.1 * rng.standard_normal(t.size))
     y = Channel("base_displacement", t, of.of.y(t))
-    kept = condition(Measurement.of("early", [y, Channel("displacement", t, x)]), of.of.k)
+    kept = condition(Record.of("early", [y, Channel("displacement", t, x)]), of.of.k)
     assert kept.cycles == 10
 
 
@@ -173,5 +174,5 @@ def held(x):
 def test_a_stopping_motion_may_be_clipped_or_dropped_out(spoil, said):
     y, x = record(motion("both")).channels.values()
     spoiled = Channel(x.quantity, x.t, spoil(x.values))
-    warnings = condition(Measurement.of("spoiled", [y, spoiled]), motion("both").of.k).warnings
+    warnings = condition(Record.of("spoiled", [y, spoiled]), motion("both").of.k).warnings
     assert said in " ".join(warnings)

@@ -22,9 +22,9 @@ from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, sty
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.files import write_csv, write_text
-from dampbalance.records.measurement import Measurement
+from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.replication.record import Record
+from dampbalance.replication.record import SimulatedRecord
 from dampbalance.signals.mean_harmonics import read_features
 from paper_case import LEVELS, OMEGA
 
@@ -54,7 +54,8 @@ import sys, time
 clocks = lambda: (time.perf_counter(), time.process_time())
 start = clocks()
 from dampbalance.identification.forced import identify_readings
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.record import Record
+from dampbalance.records.channel import Channel
 from dampbalance.signals.mean_harmonics import read_features
 from dampbalance.fit.steady_search import fit_records
 loaded = clocks()
@@ -63,7 +64,7 @@ readings = []
 for level in np.load(sys.argv[1]):
     t, y, x = level
     channels = [Channel("base_displacement", t, y), Channel("displacement", t, x)]
-    readings.append(read_features(Measurement.of("level", channels), float(sys.argv[2])))
+    readings.append(read_features(Record.of("level", channels), float(sys.argv[2])))
 identify_readings(readings, float(sys.argv[2]))
 end = clocks()
 print(*(b - a for a, b in zip(start, loaded)), *(b - a for a, b in zip(loaded, end)))
@@ -71,7 +72,7 @@ print(*(b - a for a, b in zip(start, loaded)), *(b - a for a, b in zip(loaded, e
 _IMPORTED = re.compile(r"import time:\s*(\d+) \|\s*\d+ \|\s*(\S+)")
 
 
-def measurements(samples: int) -> list[Measurement]:
+def measurements(samples: int) -> list[Record]:
     """Return one simulated measurement of `samples` samples for each level: displacements of base and mass."""
     return [
         measured_orbit(
@@ -85,10 +86,10 @@ def measurements(samples: int) -> list[Measurement]:
     ]
 
 
-def record(measurement: Measurement) -> Record:
+def record(measurement: Record) -> SimulatedRecord:
     """Return the same samples as the reference fit takes them."""
     y, x = measurement["base_displacement"], measurement["displacement"]
-    return Record(t=y.t, y=y.values, x=x.values)
+    return SimulatedRecord(t=y.t, y=y.values, x=x.values)
 
 
 def contestants(samples: int) -> list[Contestant]:

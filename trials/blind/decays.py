@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 
 from .gradual import CONTACTS, ring_down_on
 from .other_motion import NO_DEPARTURE, Departure, ring_down
@@ -162,7 +163,7 @@ def _pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
     return np.hstack([_held(start, n), moved])
 
 
-def record(decay: Decay, seed: int | None = None) -> tuple[Measurement, list[float]]:
+def record(decay: Decay, seed: int | None = None) -> tuple[Record, list[float]]:
     """Return the record with its noise, and the times at which the mass comes free, s.   seed : default, that of the
     set."""
     signals, free = clean(decay)
@@ -176,4 +177,4 @@ def record(decay: Decay, seed: int | None = None) -> tuple[Measurement, list[flo
         random = np.random.default_rng(key)
         noisy = values + decay.noise * largest * random.standard_normal(t.size)
         channels.append(Channel(quantity, t, noisy + decay.offset * largest))
-    return Measurement.of(f"decay {decay.index}", channels), free
+    return Record.of(f"decay {decay.index}", channels), free

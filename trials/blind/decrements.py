@@ -25,7 +25,7 @@ from scipy.signal import find_peaks, savgol_filter
 from dampbalance.fit.decay import STATE, RingFit
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_ring_downs
-from dampbalance.records.measurement import Measurement
+from dampbalance.records.record import Record
 
 from .decays import Decay, clean, draw, record
 from .score import SYMBOLS, held
@@ -42,7 +42,7 @@ _QUICK = 0.7  # of the first time between peaks
 _STUCK = 2.0  # times the last peak that may be one of a mass that sticks
 
 
-def peaks_of(decay: Decay, measured: Measurement, free: list[float]) -> tuple[Peaks, float]:
+def peaks_of(decay: Decay, measured: Record, free: list[float]) -> tuple[Peaks, float]:
     """Return the peaks of each decay in the first channel, and the mean frequency between them, rad/s."""
     channel = measured.responses[0]
     order = ANSWERS.index(channel.quantity)

@@ -22,7 +22,8 @@ from scipy.interpolate import CubicSpline
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import markdown_table
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 
 from . import efficiency
@@ -66,18 +67,18 @@ class Fault:
     k: float = 1.0
     stated: float | None = None
 
-    def records(self, truth: Truth, drawing: int) -> list[Measurement]:
+    def records(self, truth: Truth, drawing: int) -> list[Record]:
         """Return the records with this fault; the noise is the same for all faults."""
         return [self._record(level, i, drawing) for i, level in enumerate(self.levels(truth))]
 
-    def _record(self, level: Level, place: int, drawing: int) -> Measurement:
+    def _record(self, level: Level, place: int, drawing: int) -> Record:
         t = np.arange(level.samples) / level.truth.rate_hz
         channels = []
         for i, quantity in enumerate((_DRIVE, _ANSWER)):
             noise = np.random.default_rng((SEED, drawing, place, i)).standard_normal(t.size)
             values = self.signal(level, quantity, t) + level.sigma(quantity) * noise
             channels.append(Channel(quantity, *self.after(quantity, t, values)))
-        return Measurement.of(f"level {place + 1}", channels)
+        return Record.of(f"level {place + 1}", channels)
 
 
 # — channels —————————————————————————————————————————————————————————————————————————————————————————————————————————

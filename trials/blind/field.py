@@ -29,7 +29,8 @@ import numpy as np
 from numba import njit
 from scipy import signal
 
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 
 from .decays import _held, _pulled
 from .gradual import CONTACTS, _moved
@@ -428,7 +429,7 @@ def _recorded(one: Field, values: np.ndarray, peak: float) -> np.ndarray:
     return values
 
 
-def records(one: Field) -> list[Measurement]:
+def records(one: Field) -> list[Record]:
     """Return the records of a set: a decay, or one for each level. A decay begins within half a period after the
     release."""
     channels = []
@@ -459,5 +460,5 @@ def records(one: Field) -> list[Measurement]:
         of_level[one.answer] = _recorded(one, of_level[one.answer], peak)
         name = f"{'level' if one.forced else 'decay'} {level + 1}"
         parts = [Channel(quantity, t, values) for quantity, values in of_level.items()]
-        measured.append(Measurement.of(name, parts))
+        measured.append(Record.of(name, parts))
     return measured

@@ -24,7 +24,8 @@ from scipy.signal import butter, sosfiltfilt
 from dampbalance import identify
 from dampbalance.identification.answer import USABLE
 from dampbalance.project.wording import markdown_table
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 
 from .field import draw, records, stiffness_given
 from .truths import ANSWERS
@@ -47,7 +48,7 @@ Numbers = tuple[float, float]
 """F_k, N, and c, N s/m; NaN where there is no answer."""
 
 
-def simple_decay(measured: Measurement, k: float, m: float | None) -> Numbers:
+def simple_decay(measured: Record, k: float, m: float | None) -> Numbers:
     """Return the line through the distances of successive turns of the filtered record."""
     channel = measured.responses[0]
     rate = (len(channel) - 1) / float(channel.t[-1] - channel.t[0])
@@ -97,7 +98,7 @@ def _fundamental(channel: Channel, omega: float) -> complex:
     return complex(a, -b) / (1j * omega) ** ANSWERS.index(quantity)
 
 
-def simple_forced(measured: list[Measurement], k: float, omega: float) -> Numbers:
+def simple_forced(measured: list[Record], k: float, omega: float) -> Numbers:
     """Return the balance of energy of the fundamentals, weighted by 1/W."""
     rows, works = [], []
     for record in measured:

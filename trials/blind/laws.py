@@ -19,7 +19,8 @@ from scipy.stats import binomtest
 
 from dampbalance.identification.law_comparison import compare_laws
 from dampbalance.project.wording import markdown_table
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 
 from .other_motion import Departure, steady
@@ -157,7 +158,7 @@ def _shares(count: int, random: np.random.Generator) -> np.ndarray:
             return parts
 
 
-def law_records(law: str, drawing: int, seed: int = SEED) -> list[Measurement]:
+def law_records(law: str, drawing: int, seed: int = SEED) -> list[Record]:
     """Return the records of a set: base and mass displaced, 100 cycles of about 200 samples from anywhere in the cycle,
     1 % of white noise on both channels."""
     truth = draw(law, drawing, seed)
@@ -173,7 +174,7 @@ def law_records(law: str, drawing: int, seed: int = SEED) -> list[Measurement]:
             Channel(q, t, x + NOISE * np.sqrt(np.mean(x**2)) * random.standard_normal(x.size))
             for q, x in clean.items()
         ]
-        records.append(Measurement.of(f"{law}, set {drawing}, level {place}", channels))
+        records.append(Record.of(f"{law}, set {drawing}, level {place}", channels))
     return records
 
 

@@ -28,7 +28,7 @@ from scipy.signal import find_peaks, savgol_filter
 
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import markdown_table
-from dampbalance.records.measurement import Measurement
+from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 
 from .other_motion import ring_down
@@ -76,7 +76,7 @@ def simulated(
     return np.interp(np.mod(phase, 2.0 * math.pi), omega * grid, run.y[0])
 
 
-def simulated_fit(truth: Truth, measured: list[Measurement]) -> Found:
+def simulated_fit(truth: Truth, measured: list[Record]) -> Found:
     """Return all samples fitted by a simulation."""
     parts = []
     for one in measured:
@@ -104,7 +104,7 @@ def simulated_fit(truth: Truth, measured: list[Measurement]) -> Found:
     return {"F_k": F_k, "c": c, "K_z": K_z}
 
 
-def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
+def free_decay(truth: Truth, measured: list[Record]) -> Found:
     """Return line through successive reversals of free decays.   measured : the records whose time the decays may
     take."""
     highest = levels(truth)[-1]
@@ -152,10 +152,10 @@ def free_decay(truth: Truth, measured: list[Measurement]) -> Found:
     return {"F_k": (F_k, errors[0]), "c": (c, errors[1]), "K_z": (math.nan, math.nan)}
 
 
-def identified(approach: str) -> Callable[[Truth, list[Measurement]], Found]:
+def identified(approach: str) -> Callable[[Truth, list[Record]], Found]:
     """Return an approach of `identify`."""
 
-    def run(truth: Truth, measured: list[Measurement]) -> Found:
+    def run(truth: Truth, measured: list[Record]) -> Found:
         result = identify_readings([read_features(one, truth.k) for one in measured], truth.k)
         rows = [row for row in numbers(result, truth) if row["approach"] == approach]
         return {row["symbol"]: (row["value"], row["standard_error"]) for row in rows}

@@ -8,7 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 
 from .cycles import Cycle, steady_cycle
 from .truths import SEED, Truth
@@ -79,7 +80,7 @@ def levels(truth: Truth) -> list[Level]:
     return [Level(truth, i) for i in range(len(truth.Y))]
 
 
-def record(level: Level, seed: int | tuple[int, ...] | None = None) -> Measurement:
+def record(level: Level, seed: int | tuple[int, ...] | None = None) -> Record:
     """Return the record of one level, with the noise of (seed, set, level, channel).   seed : default, that of the
     set."""
     truth = level.truth
@@ -92,9 +93,9 @@ def record(level: Level, seed: int | tuple[int, ...] | None = None) -> Measureme
         values = level.signal(quantity, phase)
         values += level.sigma(quantity) * random.standard_normal(values.size)
         channels.append(Channel(quantity, t, values))
-    return Measurement.of(f"set {truth.index}, level {level.level + 1}", channels)
+    return Record.of(f"set {truth.index}, level {level.level + 1}", channels)
 
 
-def records(truth: Truth, seed: int | tuple[int, ...] | None = None) -> list[Measurement]:
+def records(truth: Truth, seed: int | tuple[int, ...] | None = None) -> list[Record]:
     """Return the records of a set, one for each level."""
     return [record(level, seed) for level in levels(truth)]

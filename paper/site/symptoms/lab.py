@@ -15,6 +15,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+from dampbalance.identification.symptoms import SYMPTOMS, symptoms_in
 from scipy.signal import lfilter
 
 from dampbalance import BaseMotion, Oscillator, identify, sliders_orbit, steady_orbit, transient
@@ -31,12 +32,12 @@ from dampbalance.figures.style import (
 )
 from dampbalance.identification.identified import Identified
 from dampbalance.identification.screen import in_one
-from dampbalance.identification.symptoms import SYMPTOMS, symptoms_in
 from dampbalance.motion.distorted import distorted_harmonics
 from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.motion.sliders import spread_contact
 from dampbalance.project.wording import signed
-from dampbalance.records.measurement import Channel, Measurement
+from dampbalance.records.channel import Channel
+from dampbalance.records.record import Record
 
 TRUTH = Oscillator(m=3.0, c=9.0, k=5200.0, K_z=80_000.0, F_k=2.0)
 HZ, RATE, CYCLES = (
@@ -192,7 +193,7 @@ def levels(fault: Fault) -> np.ndarray:
     return LEVELS if fault.levels is None else fault.levels
 
 
-def records(fault: Fault) -> list[Measurement]:
+def records(fault: Fault) -> list[Record]:
     """Return the records of all levels."""
     random, measured = np.random.default_rng(45), []
     for i, Y in enumerate(levels(fault), start=1):
@@ -200,7 +201,7 @@ def records(fault: Fault) -> list[Measurement]:
         noisy = [one + fault.noise * one.std() * random.standard_normal(t.size) for one in clean]
         noisy[1] = fault.recorder(noisy[1])
         parts = zip(("base_displacement", "displacement"), noisy, strict=True)
-        measured.append(Measurement.of(f"level {i}", [Channel(q, t, of) for q, of in parts]))
+        measured.append(Record.of(f"level {i}", [Channel(q, t, of) for q, of in parts]))
     return measured
 
 

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import argparse
 
-from ..records.measurement import ABSOLUTE, ROTATING, Measurement
+from ..records.channel import ABSOLUTE, ROTATING
+from ..records.record import Record
 from ..records.synthetic import measured_ring_down
 from .options import quantity
 from .simulate import arguments, oscillator, require_brief, write_new
@@ -37,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
     write_new(options, _measurement)
 
 
-def _measurement(options: argparse.Namespace) -> Measurement:
+def _measurement(options: argparse.Namespace) -> Record:
     """Return the record of a free decay."""
     osc = oscillator(options, {})
     require_brief(osc, options.duration, f"{options.duration:g} s", "a shorter --duration")

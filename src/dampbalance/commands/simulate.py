@@ -32,8 +32,9 @@ from ..motion.law_response import law_response
 from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
+from ..records.channel import EXCITATIONS, RESPONSES, ROTATING
 from ..records.errors import RecordError
-from ..records.measurement import EXCITATIONS, RESPONSES, ROTATING, Measurement
+from ..records.record import Record
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import FILE, argument, coefficients, quantity, sliders, whole
@@ -104,7 +105,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def write_new(
-    options: argparse.Namespace, simulated: Callable[[argparse.Namespace], Measurement]
+    options: argparse.Namespace, simulated: Callable[[argparse.Namespace], Record]
 ) -> None:
     """Write the record that options ask for, and print the name of its file.
 
@@ -116,7 +117,7 @@ def write_new(
     print(f"Written: {write(options.record, simulated(options))}")
 
 
-def _measurement(options: argparse.Namespace) -> Measurement:
+def _measurement(options: argparse.Namespace) -> Record:
     """Return the record of a steady response."""
     law = dict(options.law or {})
     if options.sliders and options.law:
@@ -183,11 +184,11 @@ def _steady(
     return law_response(osc, motion, law)
 
 
-def _rounded(measurement: Measurement, decimals: int) -> Measurement:
+def _rounded(measurement: Record, decimals: int) -> Record:
     each = measurement.channels.values()
     channels = [replace(c, values=np.round(c.values, decimals)) for c in each]
     for channel in channels:
         if not np.ptp(channel.values) > 0.0:
             rounded = f"constant when rounded to {decimals} decimals"
             raise RecordError(f"{channel.name} is {rounded}: keep more of them")
-    return Measurement.of(measurement.source, channels)
+    return Record.of(measurement.name, channels)

@@ -17,19 +17,17 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import Rows
+from ..findings.finding import Finding, grouped
+from ..findings.words import Vocabulary, sentence, unit_of
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.terms import FRICTION, term
 from ..model import named_with_unit
-from ..project.wording import Remark, number_text, with_unit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
 
 # Correlation from which two coefficients share what is lost: then the limit takes twice `USELESS` at most.
 _TRADES = 0.5
-
-UNBOUNDED: Mapping[str, float] = {"": math.inf}
-"""Doubts of a remark on what may put every number off by nobody knows how much."""
 
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records."""
@@ -59,14 +57,14 @@ class ParameterEstimate:
     """One identified number, SI units; NaN where it could not be identified.
 
     standard_error : by the jackknife, or of the fit.   interval : at CONFIDENCE.
-    doubt : why it is not to be trusted though it has an interval; empty where nothing speaks against it.
-    bounded : whether the interval holds what that reason can do to the number.
+    doubts : why it is not to be trusted though it has an interval; none where nothing speaks against it.
+    bounded : whether the interval holds what these can do to the number.
     """
 
     value: float
     standard_error: float
     interval: Interval
-    doubt: str = ""
+    doubts: tuple[Finding, ...] = ()
     bounded: bool = True
 
     @property
@@ -104,14 +102,21 @@ class Verdict(NamedTuple):
 
     verdict : "usable", the value is right within its interval; "doubtful", something may move it by more than that and
     by more than `USELESS`, or by nobody knows how much, or its interval is wider than it is; "none", there is no value.
-    reason : for a verdict that is not usable, and of a number that is only a limit.
+    reason : in words (`worded`), for a verdict that is not usable, and of a number that is only a limit.
     within : half the width of the interval over the value; infinite for a limit, and where the error has no bound; NaN
-    without a value.
+    without a value.   findings : that decide it.
     """
 
     verdict: str
     reason: str = ""
     within: float = math.nan
+    findings: tuple[Finding, ...] = ()
+
+    def worded(self, vocabulary: Vocabulary) -> Verdict:
+        """Return the verdict with its reason in the words of a coordinate."""
+        return self._replace(
+            reason="; ".join(sentence(g, vocabulary) for g in grouped(self.findings))
+        )
 
     def document(self) -> dict[str, Any]:
         """Return the verdict by the keys of the document."""
@@ -153,7 +158,7 @@ class Answer:
     name: str
     parameters: Mapping[str, ParameterEstimate]
     covariance: Array
-    notes: tuple[Remark, ...] = ()
+    notes: tuple[Finding, ...] = ()
     balance: Balance | None = None
     merit: Mapping[str, Any] = field(default_factory=dict)
     judged: bool = True
@@ -207,10 +212,9 @@ class Answer:
             sure = any(
                 verdicts[s].verdict == USABLE and verdicts[s].within <= USELESS for s in others
             )
-            if p.interval.low <= 0.0 < p.interval.high and not p.doubt and p.bounded and sure:
-                verdicts[symbol] = Verdict(
-                    USABLE, f"an upper limit only: {limit(symbol, p)}", math.inf
-                )
+            if p.interval.low <= 0.0 < p.interval.high and not p.doubts and p.bounded and sure:
+                only = Finding("upper limit", {"limits": ((symbol, *p.interval),)})
+                verdicts[symbol] = Verdict(USABLE, within=math.inf, findings=(only,))
         return verdicts
 
     @property
@@ -246,22 +250,21 @@ class Answer:
 def answer_of_fit(
     fit: OscillatorFit,
     coefficients: Iterable[str],
-    notes: Iterable[Remark],
+    notes: Iterable[Finding],
     *,
-    doubt: str = "",
     name: str = REFERENCE,
     **merit: Any,
 ) -> Answer:
     """Return the answer of a fit of maximum likelihood.
 
-    coefficients : keys.   doubt : why K_z is not to be trusted.   merit : what else the fit identifies.
+    coefficients : keys.   merit : what else the fit identifies.
     """
     keys = list(coefficients)
-    numbers = {key: (fit.value(key), fit.error(key), fit.interval(key), "") for key in keys}
-    numbers["K_z"] = fit.K_z, fit.K_z_error, fit.K_z_interval, doubt
+    numbers = {key: (fit.value(key), fit.error(key), fit.interval(key)) for key in keys}
+    numbers["K_z"] = fit.K_z, fit.K_z_error, fit.K_z_interval
     parameters = {
-        key: ParameterEstimate(value, error, Interval(*ends), why)
-        for key, (value, error, ends, why) in numbers.items()
+        key: ParameterEstimate(value, error, Interval(*ends))
+        for key, (value, error, ends) in numbers.items()
     }
     places = [fit.names.index(key) for key in (*keys, "rho")]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
@@ -306,40 +309,65 @@ def covariance_of(
     return matrix
 
 
-def unit_of(key: str) -> str:
-    """Return SI unit of an identified parameter: a coefficient by its key, or K_z."""
-    return "N/m" if key == "K_z" else term(key).unit
-
-
 def column(symbol: str, what: str = "") -> str:
     """Return F_k_standard_error_N: what a number says of a parameter, and its unit."""
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 
-def limit(symbol: str, parameter: ParameterEstimate) -> str:
-    """Return a number that has a limit only, in words: "F_k < 0.0001 N"."""
-    low, high = parameter.interval
-    above = math.isinf(high)
-    shown = number_text(low, 4) if above else number_text(high, 2)
-    return with_unit(f"{symbol} {'>' if above else '<'} {shown}", unit_of(symbol))
-
-
-def _judged(symbol: str, parameter: ParameterEstimate, notes: Sequence[str]) -> Verdict:
+def _judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...]) -> Verdict:
     """Return the verdict on a number by itself; notes say why there is none. The only place that decides it."""
     if math.isnan(parameter.value):
-        return Verdict(NONE, "; ".join(notes) or f"these records do not determine {symbol}")
+        return Verdict(NONE, findings=notes or (Finding("undetermined", {"symbol": symbol}),))
     low, high = parameter.interval
-    reasons = [*filter(None, [parameter.doubt])]
-    within = parameter.within
+    why, within = list(parameter.doubts), parameter.within
     if math.isinf(parameter.value) or math.isinf(high):
-        reasons.append(f"a lower limit only: {limit(symbol, parameter)}")
+        why.append(Finding("lower limit", {"limits": ((symbol, low, high),)}))
         within = math.inf
     elif not high - low <= abs(parameter.value):
-        reasons.append("its interval is wider than its value")
-    return Verdict(DOUBTFUL if reasons else USABLE, "; ".join(reasons), within)
+        why.append(Finding("wide"))
+    return Verdict(DOUBTFUL if why else USABLE, within=within, findings=tuple(why))
 
 
-def entries(answer: Answer) -> dict[str, Any]:
+def doubted(answers: Mapping[str, Answer], warnings: Sequence[Finding]) -> dict[str, Answer]:
+    """Return the answers with their intervals widened by what their notes and the warnings can do to each number, and
+    with a doubt where that is more than the interval and than `USELESS`, or is not known."""
+    return {
+        name: _doubted(answer, [*(w for w in warnings if not w.spares(name)), *answer.notes])
+        for name, answer in answers.items()
+    }
+
+
+def _doubted(answer: Answer, findings: Iterable[Finding]) -> Answer:
+    """Return the answer with what findings can do to its numbers."""
+    kinds = grouped([one for one in findings if one.effect])
+    parameters = {s: _shifted(s, p, kinds) for s, p in answer.parameters.items()}
+    # which way a shift goes is not known: it correlates nothing
+    pairs = zip(parameters.values(), answer.parameters.values(), strict=True)
+    added = np.diag([p.standard_error**2 - own.standard_error**2 for p, own in pairs])
+    return replace(
+        answer, parameters=parameters, covariance=answer.covariance + np.nan_to_num(added)
+    )
+
+
+def _shifted(
+    symbol: str, p: ParameterEstimate, kinds: Sequence[Sequence[Finding]]
+) -> ParameterEstimate:
+    """Return a number with what findings can do to it: the largest shift of each kind, all kinds in quadrature."""
+    shifts = [max(one.shift(symbol) for one in of) for of in kinds]
+    total = math.hypot(*shifts)
+    bounded = total < 1.0  # what may change a number by all of it bounds nothing
+    doubts = p.doubts
+    if not (bounded and total <= max(USELESS, p.within)):
+        # those that have no bound, or the one that does most
+        worst = max(shifts)
+        doubts += tuple(
+            one for of, shift in zip(kinds, shifts, strict=True) if shift == worst for one in of
+        )
+    wider = p.wider(total * abs(p.value) / NORMAL_95) if bounded else p
+    return replace(wider, doubts=doubts, bounded=bounded and p.bounded)
+
+
+def entries(answer: Answer, vocabulary: Vocabulary) -> dict[str, Any]:
     """Return an answer by the keys of the document."""
     document = columns_of(answer)
     if answer.balance is not None:
@@ -350,11 +378,13 @@ def entries(answer: Answer) -> dict[str, Any]:
             f"correlation_of_{one}_and_{other}": correlations[i, j]
             for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
         }
-    document["verdicts"] = {symbol: v.document() for symbol, v in answer.verdicts.items()}
+    document["verdicts"] = {
+        symbol: v.worded(vocabulary).document() for symbol, v in answer.verdicts.items()
+    }
     document |= answer.merit
     if answer.balance is not None:
         document["rows"] = {**answer.rows, **answer.balance.labels}
-    return document | {"notes": answer.notes}
+    return document | {"notes": [sentence(note, vocabulary) for note in answer.notes]}
 
 
 def columns_of(answer: Answer, *, table: bool = False) -> dict[str, Any]:

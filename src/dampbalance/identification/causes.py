@@ -18,11 +18,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 from scipy import special
 
 from ..arrays import Array
+from ..findings.finding import UNBOUNDED, Finding
 from ..fit.fundamentals import FundamentalFit
 from ..fit.nuisances import NUISANCES, in_other_frame
 from ..fit.oscillator_fit import OscillatorFit
@@ -30,11 +30,9 @@ from ..fit.score import Departure
 from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import NO_MOTION, WaveformFit
 from ..motion.law_decays import ADDED
-from ..project.wording import Remark, larger_by, listed, number_text, with_error
 from ..signals.lines import Lines
 from ..signals.thresholds import AS_WELL, P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
-from .answer import UNBOUNDED
 
 LIKELY = 0.3
 """Share of what noise does not explain, from which on a departure is worth a fit, or a word."""
@@ -50,78 +48,31 @@ GRADUAL = ADDED[-1]
 FRAME = "frame"
 
 
-class Cause(NamedTuple):
-    """A departure in words.
+CAUSES = (
+    "delay",
+    "corner",
+    "gain",
+    FRAME,
+    "friction_level",
+    "friction_speed",
+    "c_2",
+    "k_3",
+    GRADUAL,
+)
+"""All departures that are known: to add one is a code here and in the table of findings, and one of the nuisances."""
 
-    words : with a place for its size.   unit : by which the size is multiplied for them.   remedy : what helps.
-    in_rows : whether rows of the balance, which take the records as they are, carry it.
-    negative : words with a place for the size of one below zero; default, `words` with its sign.
-    """
+NOT_IN_ROWS = frozenset({"k_3"})
+"""Departures that rows of the balance, which take the records as they are, do not have."""
 
-    words: str
-    unit: float
-    remedy: str
-    in_rows: bool = True
-    negative: str = ""
-
-    def sized(self, value: float, error: float) -> str:
-        """Return the words with a size and its standard error, or that the records do not determine it."""
-        words = self.negative if value < 0.0 else ""
-        value, error = (abs(value) if words else value) * self.unit, error * self.unit
-        if not error < abs(value):
-            about = (words or self.words).format(f"about {number_text(value, 1)}")
-            return f"{about} (a size that the records do not determine)"
-        return (words or self.words).format(with_error(value, error))
+_NAMED = ("delay", "gain")
+"""Departures whose sign is in the words."""
 
 
-_GRADUALLY = "yields gradually (Dahl, Bouc–Wen, several contacts)"
-
-CAUSES: Mapping[str, Cause] = {
-    "delay": Cause(
-        "a response that lags the drive by {} µs more than the motion explains",
-        1e6,
-        "give the delay in the mapping, or sample all channels at once",
-        negative="a response that leads the drive by {} µs more than the motion explains",
-    ),
-    "corner": Cause(
-        "an AC coupling of the response, a high-pass filter with a corner of {} Hz",
-        1.0,
-        "couple the response directly (DC), or give the corner in the mapping",
-    ),
-    "gain": Cause(
-        "a drive that reads {} % too much, or a response that reads as much too little",
-        100.0,
-        "calibrate the drive and the response, or give the gain in the mapping",
-        negative="a drive that reads {} % too little, or a response that reads as much too much",
-    ),
-    FRAME: Cause(
-        "a response that is {} and was taken for {}",
-        1.0,
-        "name the quantity so in the mapping (relative_displacement, displacement, …)",
-    ),
-    "friction_level": Cause(
-        "a friction force that changes with the level, by {} % for e times the level",
-        100.0,
-        "give levels a friction force each (--groups)",
-    ),
-    "friction_speed": Cause(
-        "a friction force that changes with the speed, and is {} % larger at rest",
-        100.0,
-        "the model has none",
-    ),
-    "c_2": Cause(
-        "damping that grows with the speed, by c_2 = {} N s²/m²", 1.0, "compare the laws (--laws)"
-    ),
-    "k_3": Cause(
-        "a spring that is not linear, with k_3 = {} N/m³", 1.0, "the model has none", in_rows=False
-    ),
-    GRADUAL: Cause(
-        f"a contact that {_GRADUALLY} and not at once, by {{}} of one of Iwan",
-        1.0,
-        "identify the distribution of its yield forces from more levels",
-    ),
-}
-"""All departures that are known: to add one is an entry here, and one among the nuisances."""
+def departure(name: str, value: float, error: float) -> Finding:
+    """Return a departure with its size and standard error."""
+    less, unsure = value < 0.0, not error < abs(value)
+    size = (abs(value) if name in _NAMED else value, error)
+    return Finding(name, {"size": size, "less": less, "unsure": unsure})
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,18 +86,12 @@ class Explanation:
     fit: WaveformFit
 
     @property
-    def words(self) -> str:
+    def departures(self) -> tuple[Finding, ...]:
         """The departures with their sizes."""
         fit = self.fit
         if FRAME in self.names:
-            frames = ("relative to the base", "absolute")
-            return CAUSES[FRAME].words.format(*frames[:: 1 if fit.lines[0].of_base else -1])
-        return listed([CAUSES[n].sized(fit.value(n), fit.error(n)) for n in self.names])
-
-    @property
-    def remedy(self) -> str:
-        """The remedy."""
-        return listed([CAUSES[name].remedy for name in self.names])
+            return (Finding(FRAME, {"absolute": not fit.lines[0].of_base}),)
+        return tuple(departure(n, fit.value(n), fit.error(n)) for n in self.names)
 
     @property
     def doubts(self) -> dict[str, float]:
@@ -292,23 +237,19 @@ def _may_be(one: Departure, fit: WaveformFit) -> bool:
     return low < one.value and (one.value < high or one.symbol == GRADUAL)
 
 
-def remark_on(found: Sequence[Explanation], fall: float) -> Remark:
-    """Return the sentence on departures that explain the records, the first of which is in the answer.
+def shown_by(found: Sequence[Explanation], fall: float) -> Finding:
+    """Return the finding of departures that explain the records, the first of which is in the answer.
 
     fall : of χ².
     """
     first, *others = found
-    as_well = listed([one.words for one in others], "or")
-    also = f"; {as_well} explains them as well, and the intervals include both" if others else ""
-    return Remark(
-        f"the records show {first.words}: it explains {fall:.0f} of χ², and the answer is corrected for it{also}; "
-        f"{first.remedy}",
-        doubts=first.doubts,
-    )
+    as_well = tuple(one.departures for one in others)
+    numbers = {"causes": first.departures, "fall": fall, "others": as_well}
+    return Finding("departs", numbers, first.doubts)
 
 
-def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Remark:
-    """Return the sentence on departures that would explain the records, and that the balance contradicts.
+def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Finding:
+    """Return the finding of departures that would explain the records, and that the balance contradicts.
 
     fall : of χ² by the first.   fit : without them, which is the answer.
     """
@@ -319,13 +260,8 @@ def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Rema
         for key, (low, high) in (ends | {"K_z": one.fit.K_z_interval}).items():
             off = max(abs(low - values[key]), abs(high - values[key]))
             doubts[key] = max(doubts.get(key, 0.0), off / (abs(values[key]) or math.inf))
-    words = listed([one.words for one in found], "or")
-    return Remark(
-        f"the records hint at {words}: it would explain {fall:.0f} of χ², but the energy balance contradicts the "
-        "numbers that follow, and is nearer to those of the fit without it, which are the answer; the intervals "
-        f"include both; {found[0].remedy}",
-        doubts=doubts,
-    )
+    causes = tuple(one.departures for one in found)
+    return Finding("hints", {"causes": causes, "first": causes[0], "fall": fall}, doubts)
 
 
 def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
@@ -339,8 +275,8 @@ def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
     return {s: part for s, part in moved.items() if s not in beside}
 
 
-def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[str]:
-    """Return a sentence where K_z depends on the contact yielding at once by more than its interval shows, and the
+def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[Finding]:
+    """Return a finding where K_z depends on the contact yielding at once by more than its interval shows, and the
     records could not tell one that yields gradually from it; none where they could.
 
     It is a condition and no doubt, as of all numbers on the gains: K_z and its interval are those of the contact that
@@ -355,12 +291,7 @@ def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> lis
         part = changes(one, fit, most).get("K_z", 0.0)
         # less than 3 % of K_z, or than three of its standard errors, is worth no word
         if part > max(0.03, 3.0 * fit.K_z_error / fit.K_z):
-            return [
-                "K_z and its interval are conditional on a contact that yields at once, which these records cannot "
-                f"test: one that {_GRADUALLY} moves alike, and is stiffer by up to {larger_by(part)} right "
-                "after a reversal. To use K_z for that stiffness, test it with less noise, or with levels at which the "
-                "contact hardly slips."
-            ]
+            return [Finding("contact taken as sudden", {"by": part})]
     return []
 
 

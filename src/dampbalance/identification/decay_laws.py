@@ -18,16 +18,16 @@ from scipy import special
 
 from ..arrays import Array
 from ..balance import TERMS
+from ..findings.finding import UNBOUNDED, Finding
 from ..fit.decay import COMMON, CORNER, FALLS, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.minimise import minimise
 from ..fit.score import Departure
 from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
-from ..project.wording import Remark, change_text, listed, number_text, percent, with_error
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import AS_WELL, P_FURTHER_TERM, SHOWS
 from ..solver import NORMAL_95
-from .answer import Answer, unit_of
+from .answer import Answer
 from .causes import GRADUAL
 from .law_comparison import LawComparison, LawTest, Probability, compared
 from .stated import widened
@@ -43,10 +43,11 @@ DECAY_TERMS = (FRICTION, "c", "c_2")
 _FALLING, _SPEED = "falling", "falling_speed"
 _NAMED = (*TERMS, "rho")
 _OTHERS = {
-    "k_3": ("a spring that stiffens or softens with its deflection", "N/m³"),
-    _FALLING: ("friction that falls with the speed", "N"),
-    _SPEED: ("friction that falls over another speed", "m/s"),
-    CORNER: ("an AC coupling of the channel", "Hz"),
+    "k_3": "a spring that stiffens or softens with its deflection",
+    _FALLING: "friction that falls with the speed",
+    _SPEED: "friction that falls over another speed",
+    CORNER: "an AC coupling of the channel",
+    GRADUAL: "a contact that yields gradually",
 }
 _LEFT_OUT = (
     "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base c_r "
@@ -56,11 +57,9 @@ _SURE = 900.0  # of χ²: laws that leave out so much need no fit
 _REMEDY = "give decays from higher up, or with less noise"
 
 
-def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
-    """Return the fit with further coefficients that the residual speaks for, one after the other, and a sentence on
-    each.
-
-    What another coefficient that explains the decays as well does to the numbers belongs to the sentence.
+def with_departures(fit: RingFit) -> tuple[RingFit, list[Finding]]:
+    """Return the fit with further coefficients that the residual speaks for, one after the other, and a finding on
+    each, with what another coefficient that explains the decays as well does to the numbers.
     """
     for _ in range(_MOST_ALONG):
         departures = departures_of(fit)
@@ -74,10 +73,7 @@ def with_departures(fit: RingFit) -> tuple[RingFit, list[Remark]]:
         fit = with_noise_of(more)
     along = [s for s in fit.problem.free if s in FURTHER and s != _SPEED]
     unbounded = {"F_k": math.inf, "c": math.inf}
-    return fit, [
-        Remark(_along(fit, s), doubts=unbounded if s in DECAY_TERMS else _as_well(fit, s))
-        for s in along
-    ]
+    return fit, [_along(fit, s, unbounded if s in DECAY_TERMS else _as_well(fit, s)) for s in along]
 
 
 def _likeliest(fit: RingFit) -> RingFit | None:
@@ -108,25 +104,18 @@ def _freed(
     return [replace(ends[0], minima=tuple(ends[1:]))] if ends else []
 
 
-def _along(fit: RingFit, symbol: str) -> str:
-    """Return the sentence on a coefficient that is fitted along."""
-    words, unit = _words(symbol)
-    size = f"{with_error(fit.value(symbol), fit.error(symbol))}{unit}"
+def _along(fit: RingFit, symbol: str, effect: Mapping[str, float]) -> Finding:
+    """Return the finding on a coefficient that is fitted along."""
+    size = fit.value(symbol), fit.error(symbol)
     if symbol in DECAY_TERMS:
-        return (
-            f"friction and viscous damping do not account for the decays: {words} explains them ({symbol} = {size}), "
-            "and friction that varies in another way may, too, with other values; compare the laws (--laws, laws=True) "
-            "before using F_k and c"
-        )
+        what = KNOWN_TERMS[symbol].words
+        return Finding("other law", {"what": what, "value": (symbol, *size)}, effect)
     if symbol == _FALLING:
-        loose, speed = number_text(fit.F_k + fit.value(symbol), 3), fit.value(_SPEED)
-        return (
-            f"the fit includes {words}: F_k is the force at high speed, to which it falls by {size} over "
-            f"{number_text(speed, 2)} m/s; a mass at rest breaks loose at {loose} N"
-        )
+        of = {"by": size, "speed": fit.value(_SPEED), "loose": fit.F_k + size[0]}
+        return Finding("falls along", of, effect)
     if symbol == CORNER:
-        return f"the fit includes {words} with a corner of {size}"
-    return f"the fit includes {words} ({symbol} = {size})"
+        return Finding("corner along", {"size": size}, effect)
+    return Finding("spring along", {"value": (symbol, *size)}, effect)
 
 
 def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
@@ -148,7 +137,7 @@ def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
     return doubts
 
 
-def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
+def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Finding]:
     """Return a sentence where friction and viscous damping do not account for the decays and what does cannot be fitted
     along, with what it may change.
 
@@ -158,35 +147,24 @@ def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Remark]:
     if not shown:
         return []
     likely = max(shown, key=lambda one: abs(one.size))
-    words, unit = _words(likely.symbol)
-    if likely.value < 0.0 and likely.symbol in (*DECAY_TERMS, GRADUAL):
-        words = "a friction that falls with the speed, or damping that grows less with it than viscous damping does,"
     moved = {s: by * likely.value / (fit.value(s) or math.inf) for s, by in likely.slopes.items()}
     doubts = {s: abs(moved[s]) for s in TERMS if s in moved}
     if "rho" in moved and not fit.rigid:  # K_z = ρ^{−2}
         doubts["K_z"] = 2.0 * abs(moved["rho"])
-    chance = "p < 1e-6" if likely.p < 1e-6 else f"p = {likely.p:.1g}"
-    return [
-        Remark(
-            f"friction and viscous damping do not account for the decays ({chance}): {words} would explain most of it "
-            f"({likely.symbol} = {with_error(likely.value, likely.error)}{unit}); F_k and c "
-            "may include its effect",
-            doubts=doubts,
-        )
-    ]
+    of = {
+        "p": likely.p,
+        "what": _OTHERS.get(likely.symbol) or KNOWN_TERMS[likely.symbol].words,
+        "value": (likely.symbol, likely.value, likely.error),
+        "falls": likely.value < 0.0 and likely.symbol in (*DECAY_TERMS, GRADUAL),
+    }
+    return [Finding("unexplained decays", of, doubts)]
 
 
-def shortcomings_of(fit: RingFit) -> list[Remark]:
+def shortcomings_of(fit: RingFit) -> list[Finding]:
     """Return a sentence where the decays are not those of one oscillator even in the band of the mode."""
     if sound(fit):
         return []
-    return [
-        Remark(
-            "the decays are not those of one mass on a spring, a damper and one friction contact: the residual of "
-            f"the closest fit is {percent(fit.residual_share)} of the motion in the band of the mode",
-            doubts={"": math.inf},
-        )
-    ]
+    return [Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED)]
 
 
 def _shown(fit: RingFit, further: Sequence[Departure]) -> list[Departure]:
@@ -203,18 +181,10 @@ def _shown(fit: RingFit, further: Sequence[Departure]) -> list[Departure]:
     ]
 
 
-def _words(symbol: str) -> tuple[str, str]:
-    """Return a coefficient in words, and its unit after a space."""
-    if symbol == GRADUAL:
-        return "a contact that yields gradually", ""
-    if symbol in _OTHERS:
-        words, unit = _OTHERS[symbol]
-        return words, f" {unit}"
-    return KNOWN_TERMS[symbol].words, f" {KNOWN_TERMS[symbol].unit}"
-
-
-def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[str, float]]:
-    """Return a sentence where F_k, c or K_z depend on the damping being viscous by more than the noise shows, and the
+def condition_of(
+    fit: RingFit, further: Iterable[Departure]
+) -> tuple[list[Finding], dict[str, float]]:
+    """Return a finding where F_k, c or K_z depend on the damping being viscous by more than the noise shows, and the
     decays are too few or too noisy to tell; and by how much, by name, in the units of the fit. Empty where they do not.
 
     Only a hint of it counts, which one in twenty sound decays give: what none shows would widen all intervals, though
@@ -223,7 +193,7 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
     """
     one = next((one for one in further if one.symbol == "c_2"), None)
     if one is None or one.size < _HINT:
-        return "", {}
+        return [], {}
     most = abs(one.value) + NORMAL_95 * one.error
     by_c = one.slopes.get("c", 0.0)
     if by_c < 0.0:
@@ -233,13 +203,9 @@ def condition_of(fit: RingFit, further: Iterable[Departure]) -> tuple[str, dict[
     parts = {s: by / fit.value(s) for s, by in moved.items() if fit.value(s) > 0.0}
     large = [s for s, part in parts.items() if abs(part) > _LEAST]
     if not large or max(abs(by) / fit.error(s) for s, by in moved.items()) <= _MATTERS:
-        return "", {}
-    words = listed([_changed(fit, s, moved[s]) for s in large])
-    return (
-        "The values are those of friction and viscous damping. The decays hint at quadratic damping, which would "
-        f"change {words}; friction that falls with the speed looks alike and changes them the other way. The intervals "
-        f"include both: {_REMEDY}, if the damping may not be viscous."
-    ), moved
+        return [], {}
+    changes = tuple(_changed(fit, s, moved[s]) for s in large)
+    return [Finding("hints of another law", {"changes": changes})], moved
 
 
 def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> Answer:
@@ -254,15 +220,14 @@ def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> 
     return widened(answer, {"law": {s: part / NORMAL_95 for s, part in parts.items()}})
 
 
-def _changed(fit: RingFit, name: str, by: float) -> str:
-    """Return by how much an unknown changes, for a sentence; ρ as the stiffness that it stands for. None becomes
+def _changed(fit: RingFit, name: str, by: float) -> tuple[str, float, float]:
+    """Return an unknown, its value, and by how much it changes; ρ as the stiffness that it stands for. None becomes
     negative."""
     value = fit.value(name)
     moved = max(value + by, 0.0)
     if name == "rho":  # K_z = ρ^{−2}
         name, value, moved = "K_z", value**-2, moved**-2 if moved else math.inf
-    unit = "kg" if name == "m" else unit_of(name)
-    return f"{name} by up to {change_text(value, moved - value, unit)}"
+    return name, value, moved - value
 
 
 @one_thread

@@ -18,16 +18,18 @@ from scipy import special
 from ..arguments import NUMBERS, number
 from ..arrays import Array
 from ..balance import TERMS, Rows
+from ..findings.finding import Finding
+from ..findings.words import sentence
 from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..motion.unknowns import M
 from ..project.options import DecayOptions, Stated, with_options
-from ..project.wording import Remark, listed, percent, visible, with_error
+from ..project.wording import visible
+from ..records.channel import EXCITATIONS, ORDERS, Channel
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, in_words_of_records
-from ..records.measurement import EXCITATIONS, ORDERS, Channel, Measurement
+from ..records.record import Record
 from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
@@ -47,6 +49,7 @@ from .answer import (
     covariance_of,
     normal,
 )
+from .balance_check import contradiction, forbidden
 from .causes import condition_on_contact
 from .decay_laws import (
     compare_decay_laws,
@@ -56,10 +59,10 @@ from .decay_laws import (
     with_departures,
     with_effects,
 )
+from .diagnosis import on_mass
 from .half_cycles import A, B, RingRows, W, rows_of
 from .identified import Identified, Picture
 from .level import Level
-from .remarks import contradiction, forbidden, on_mass
 from .request import read_request, with_stiffness_by_mass
 from .screen import implied
 from .sensitivities import Fault
@@ -175,10 +178,6 @@ def _counted(n: int, what: str) -> str:
     return f"{n} {what}{'s' * (n != 1)}"
 
 
-def _slipping(halves: int) -> str:
-    return f"{_counted(halves, 'half cycle')} that slip{'s' * (halves == 1)}"
-
-
 @with_options(DecayOptions)
 def identify_decays(
     records: RecordLike | Sequence[RecordLike],
@@ -210,15 +209,14 @@ def identify_decays(
     return _of_records(*read_request("ring-down", records, mapping, given))
 
 
-@in_words_of_records
-def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any]) -> DecayOutcome:
+def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> DecayOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     if k is None:
         options, k = with_stiffness_by_mass(partial(_of_records, records), options)
         mass = None
     outcome = identify_ring_downs(
-        [record.whole() for record in records],
+        [record.corrected() for record in records],
         k,
         mass=mass,
         mass_error=options["mass_standard_error_kg"] or 0.0,
@@ -234,7 +232,7 @@ def _of_records(records: tuple[MeasuredRecord, ...], options: Mapping[str, Any])
 
 @one_thread
 def identify_ring_downs(
-    records: Sequence[Measurement],
+    records: Sequence[Record],
     k: float,
     *,
     mass: float | None = None,
@@ -256,49 +254,37 @@ def identify_ring_downs(
     if mass is not None:
         number("mass", mass, NUMBERS["m"])
     fits: list[RingFit] = []
-    warnings: list[Remark] = []
+    warnings: list[Finding] = []
     offsets = 0
     for record in records:
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
-                f"{record.source}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
+                f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
                 "and free decays are not identified together"
             )
-        odd: list[Remark] = []
+        odd: list[Finding] = []
         channels = enumerate(record.responses, offsets)
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
-        warnings += [words.about(record.source) for words in odd]
+        warnings += [words.about(record.name) for words in odd]
         try:
-            separate, bursts = separate_fits(record.source, signals, k)
+            separate, bursts = separate_fits(record.name, signals, k)
         except NoDecay as error:
-            raise ValueError(f"{record.source}: {_unclear(record)}: {error}") from None
+            raise ValueError(_unclear(record, k, str(error))) from None
         if not separate:
             few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
-            cause = few or (
-                f"the motion is not that of a mass on a spring of {k:g} N/m with friction; give the record "
-                "from the release or the blow on"
-            )
-            raise ValueError(f"{record.source}: {_unclear(record)}: {cause}")
+            raise ValueError(_unclear(record, k, few))
         warnings += [
-            Remark(
-                "the motion about {:.4g} s is no free decay that slips, and is left out",
-                burst.turn,
-                source=record.source,
-            )
-            for burst in bursts
+            Finding("no decay", {"time": float(burst.turn)}, of=record.name) for burst in bursts
         ]
         offsets += len(signals)
         fits += separate
     common, left_out = fit_all(fits)
     if common is None:
         raise ValueError(
-            f"{records[0].source}: no oscillator explains its free decays; check the stiffness and the units"
+            f"{records[0].name}: no oscillator explains its free decays; check the stiffness and the units"
         )
     warnings += [
-        Remark(
-            f"{one.source}: the motion from {one.start:.4g} s to {one.end:.4g} s is no free decay of this oscillator, "
-            "and is left out"
-        )
+        Finding("other decay", {"start": one.start, "end": one.end}, of=one.source)
         for one in left_out
     ]
     fit, agrees = with_noise_of(to_the_end(common)), True
@@ -317,27 +303,25 @@ def identify_ring_downs(
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
-        raise ValueError(
-            f"{', '.join(dict.fromkeys(one.source for one in fit.decays))}: the motion is no free decay of a "
-            f"mass on a spring of {k:g} N/m with a friction contact: the closest fit has {_slipping(halves)} "
-            f"and a residual of {percent(fit.residual_share)} of the motion; is the mass driven, "
-            "or is its frequency or its gain not constant? Give the record from the release or the blow on"
+        why = Finding(
+            "no friction contact", {"k": k, "halves": halves, "share": fit.residual_share}
         )
+        names = ", ".join(dict.fromkeys(one.source for one in fit.decays))
+        raise ValueError(f"{names}: {sentence(why, records[0].coordinate)}")
     rig = implied(fit, mass if agrees else None)
-    outcome = _solved(fit, rows_of(fit), tuple(record.source for record in records), rig, warnings)
+    outcome = _solved(fit, rows_of(fit), tuple(record.name for record in records), rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
 
 
-def _unclear(record: Measurement) -> str:
-    """Return how a record without a decay is reported."""
-    if record.driven:
-        return f"{visible(record.excitation.name)} stands still, and no free decay was found"
-    return (
-        f"the excitation channel is missing ({', '.join(EXCITATIONS)}), and no free decay was found"
-    )
+def _unclear(record: Record, k: float, why: str) -> str:
+    """Return how a record without a decay is reported.   k : N/m.   why : empty where the motion is another one."""
+    channel = visible(record.excitation.name) if record.driven else ""
+    drives = tuple(map(record.coordinate.noun, EXCITATIONS))
+    found = Finding("no decay found", {"channel": channel, "drives": drives, "k": k, "why": why})
+    return f"{record.name}: {sentence(found, record.coordinate)}"
 
 
-def _signal(record: Measurement, channel: Channel, offset: int, warnings: list[Remark]) -> Signal:
+def _signal(record: Record, channel: Channel, offset: int, warnings: list[Finding]) -> Signal:
     """Return a channel of the mass, evenly sampled.   offset : its number."""
     channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values
@@ -359,8 +343,8 @@ def _solved(
     fit: RingFit,
     rows: RingRows,
     sources: tuple[str, ...],
-    rig: Sequence[str],
-    warnings: Sequence[Remark],
+    rig: Sequence[Finding],
+    warnings: Sequence[Finding],
 ) -> DecayOutcome:
     """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     values, covariance, misfit, freedom, interval = _least_squares(rows)
@@ -371,10 +355,10 @@ def _solved(
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < P_OF_THE_MODEL:
         notes.append(
-            Remark(
-                "the half cycles do not share one F_k and c: χ² is {:.3g} per row",
-                misfit,
-                doubts={
+            Finding(
+                "half cycles differ",
+                {"misfit": misfit},
+                {
                     symbol: NORMAL_95 * math.sqrt(misfit * variance) / abs(value)
                     for (symbol, value), variance in zip(
                         values.items(), np.diag(covariance).tolist(), strict=True
@@ -383,46 +367,28 @@ def _solved(
             )
         )
     if not values:
-        notes.append(
-            Remark(
-                f"the samples show {_counted(rows.halves, 'half cycle')} clearly, too few to distinguish F_k from c: "
-                "start the decay higher, sample faster, or give more decays"
-            )
-        )
+        notes.append(Finding("few half cycles", {"halves": rows.halves}))
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
-        fit_notes.append(
-            Remark(
-                "the decays show no friction in addition to the damping: if the contact sticks all the time, c belongs "
-                "to the stiffness k + K_z, and is 1 + K_z/k times as large"
-            )
-        )
+        fit_notes.append(Finding("decays without friction"))
         notes.append(fit_notes[-1])
     ringing = math.sqrt((fit.k + min(fit.K_z, 1e300)) / fit.m) / (2.0 * math.pi)
     dt = max(signal.dt for one in fit.decays for signal in one.signals)
     if ringing > 0.5 / dt and not fit.K_z_interval[1] > 2.0 * fit.K_z:
-        fit_notes.append(
-            Remark(
-                f"on the contact the mass rings at {ringing:.3g} Hz, more than half of the {1.0 / dt:.3g} samples a "
-                "second: other values of K_z may explain the samples as well; sample faster",
-                doubts={"K_z": math.inf},
-            )
-        )
+        of_ringing = {"hertz": ringing, "rate": 1.0 / dt}
+        fit_notes.append(Finding("rings", of_ringing, {"K_z": math.inf}))
     errors = np.sqrt(np.diag(covariance)).tolist()
     estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
     if interval is not None:
         estimates["F_k"] = replace(estimates["F_k"], interval=interval)
     clipped_signals = {
-        f"{signal.quantity} of {one.source}": Remark(
-            "{} is clipped: several samples are at its extreme value and are left out; raise the measuring range",
-            signal.quantity,
-            source=one.source,
+        f"{signal.quantity} of {one.source}": Finding(
+            "clipped decay", {"quantity": signal.quantity}, of=one.source
         )
         for one in fit.decays
         for signal in one.signals
         if clipped(signal.values)
     }
-    suspects = "the drive, a hand on the mass, a gain or a filter"
-    notes += forbidden(estimates, list(clipped_signals), suspects)
+    notes += forbidden(estimates, list(clipped_signals), "negative decay")
     reference = answer_of_fit(fit, TERMS, fit_notes)
     parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
     numbers = (rows.decay + 1).tolist()
@@ -447,8 +413,8 @@ def _solved(
         warnings = [*warnings, *contradiction(answer, fit, USELESS, wider)]
     conditions, effects = _scatter_of(fit), dict[str, float]()
     if not doubts:
-        sentence, effects = condition_of(fit, further)
-        conditions += filter(None, [sentence])
+        condition, effects = condition_of(fit, further)
+        conditions += condition
         conditions += condition_on_contact(fit, further)
     return DecayOutcome(
         k=fit.k,
@@ -466,18 +432,14 @@ def _solved(
     )
 
 
-def _scatter_of(fit: RingFit) -> list[str]:
-    """Return a sentence on the friction forces of the decays where they do not share one."""
+def _scatter_of(fit: RingFit) -> list[Finding]:
+    """Return a finding on the friction forces of the decays where they do not share one."""
     if fit.frictions.size == 1:
         return []
     mean, errors = fit.friction, np.sqrt(np.diag(fit.covariance)[fit.friction_places])
-    forces = listed(
-        [with_error(*pair) for pair in zip(fit.frictions, errors.tolist(), strict=True)]
-    )
-    return [
-        f"The decays do not share one friction force: {forces} N. F_k is their mean, and its interval includes their "
-        f"scatter, a standard deviation of {mean.scatter:.2g} N or {100.0 * mean.scatter / mean.value:.2g} %."
-    ]
+    forces = tuple(zip(fit.frictions.tolist(), errors.tolist(), strict=True))
+    of_mean = {"scatter": mean.scatter, "share": mean.scatter / mean.value}
+    return [Finding("friction differs", {"forces": forces, **of_mean})]
 
 
 def _least_squares(

@@ -30,14 +30,14 @@ from ..arguments import NUMBERS, number
 from ..arrays import Array
 from ..balance import Rows
 from ..features import FEATURE_COLUMNS, Features
+from ..findings.finding import UNBOUNDED, Finding
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.options import ForcedOptions, Stated, with_options
-from ..project.wording import Remark, with_error
+from ..records.channel import ABSOLUTE, RELATIVE
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, in_words_of_records
-from ..records.measurement import ABSOLUTE, RELATIVE
+from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..solver import Estimate, least_squares, solve
@@ -46,7 +46,6 @@ from .answer import (
     DIRECT,
     FUNDAMENTALS,
     REFERENCE,
-    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -54,7 +53,9 @@ from .answer import (
     ParameterEstimate,
     covariance_of,
 )
+from .balance_check import contradiction, notes_on
 from .causes import GRADUAL, condition_on_contact
+from .diagnosis import agreement, on_records
 from .identified import Identified, Picture
 from .law_comparison import compare_laws
 from .level import Level
@@ -72,9 +73,8 @@ from .oscillator import (
     read_samples,
     with_common_fit,
 )
-from .remarks import agreement, contradiction, notes_on, on_records
-from .request import STATIC_TEST, read_request, with_stiffness_by_mass
-from .rigs import Masses, masses_of, of_a_mount, require_base, require_possible
+from .request import read_request, with_stiffness_by_mass
+from .rigs import Masses, masses_of, of_a_mount, require_driven_by, require_possible
 from .screen import implied
 from .sensitivities import Fault, sensitivities, shifts_of_fit, shifts_of_fundamentals
 from .stated import with_stated_uncertainties
@@ -128,7 +128,7 @@ class ForcedOutcome(Identified):
                     "standard_errors": {
                         c: reading.standard_errors[n] for n, c in FEATURE_COLUMNS.items()
                     },
-                    "warnings": reading.warnings,
+                    "findings": [one.document() for one in reading.warnings],
                 }
                 for i, reading in enumerate(self.readings)
             ],
@@ -253,14 +253,11 @@ def identify_forced(
     return _of_records(read, law_of(of["terms"], of["given"], of["groups"]), of)
 
 
-@in_words_of_records
-def _of_records(
-    records: tuple[MeasuredRecord, ...], law: Law, options: Mapping[str, Any]
-) -> ForcedOutcome:
+def _of_records(records: tuple[Record, ...], law: Law, options: Mapping[str, Any]) -> ForcedOutcome:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, masses = options["stiffness_N_per_m"], masses_of(records, options)
     if k is None:
-        require_base(records, "stiffness is missing, and a mass alone gives none then", STATIC_TEST)
+        require_driven_by(True, records, "no stiffness of a force")
         # a coefficient that is given is that of the true k: the first k comes without it
         passes = [
             partial(_of_records, records, of) for of in ([Law()] if law.given else []) + [law]
@@ -270,7 +267,7 @@ def _of_records(
     mass = masses.moving
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
     readings = [load(record, k, base_mass=masses.on_base, **of_drive) for record in records]
-    require_possible(readings, mass, k)
+    require_possible(readings, mass, k, records[0].coordinate)
     records, readings, clipped = unclipped(records, readings, law)
     outcome = identify_readings(
         readings,
@@ -334,7 +331,9 @@ def identify_readings(
     if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
     if few and reference is not None:
-        reference = replace(reference, notes=(*reference.notes, _UNCHECKED))
+        reference = replace(
+            reference, notes=(*reference.notes, Finding("fewer levels", effect=UNBOUNDED))
+        )
     readings = with_common_fit(readings, joint, law)
     samples = read_samples(readings)
     line = microstick(samples)
@@ -345,14 +344,11 @@ def identify_readings(
     notes = (*direct.notes, *notes_on(direct, readings, joint))
     estimates[DIRECT] = replace(direct, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
-    fit, rig = joint.fit, []
+    fit, rig = joint.fit, list[Finding]()
     if fit is not None and not joint.linear:
         rig = implied(joint.closest, mass if joint.mass_fits else None)
     if joint.delay is not None and not (joint.explained or joint.hinted):
-        value, error = joint.delay
-        rig.append(
-            f"Timing check: the response is {with_error(1e6 * value, 1e6 * error)} µs late (no delay detected)."
-        )
+        rig.append(Finding("timing", {"late": joint.delay}))
     of_records = on_records(readings, joint)
     of_all = agreement(readings, line, joint, direct)
     if fit is not None and joint.waveforms_hold and GRADUAL not in fit.problem.freed:
@@ -391,13 +387,6 @@ def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) ->
     return any(contradiction(direct, joint.closest)) and apart(plain.closest) < apart(joint.closest)
 
 
-_UNCHECKED = Remark(
-    "there are fewer levels than coefficients: only the shape of the waveforms distinguishes them, and no balance "
-    "checks it; add records at other amplitudes",
-    doubts=UNBOUNDED,
-)
-
-
 def _balance(
     rows_of: LawRows,
     readings: Sequence[Reading],
@@ -412,12 +401,15 @@ def _balance(
     nothing: dict[str, ParameterEstimate] = dict.fromkeys((*rows_of.law.unknowns, "K_z"), UNKNOWN)
     try:
         estimate = least_squares(uncertain)
-    except ValueError as error:
-        reason = str(error)
+    except ValueError:
+        symbols = tuple(key for key in point.terms if key not in point.given)
+        count = int(usable.sum())
+        of = {"symbols": symbols, "needed": len(symbols), "usable": count, "all": usable.size}
+        why = Finding("few rows" if count < len(symbols) else "rows alike", of)
         if len(readings) < len(rows_of.law.unknowns):
-            reason = "a balance needs a level for each coefficient: add records at other amplitudes"
+            why = Finding("level for each")
         return Answer(
-            *(DIRECT, nothing, covariance_of(nothing), (Remark(reason),)),
+            *(DIRECT, nothing, covariance_of(nothing), (why,)),
             Balance(point, np.full(len(point.W), math.nan), sources),
             merit={"residual": math.nan, "misfit": math.nan},
         )

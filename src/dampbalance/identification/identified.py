@@ -6,7 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from pathlib import Path, PurePath
@@ -18,11 +18,14 @@ import numpy as np
 
 from .. import __version__
 from ..arguments import flag, one_of, path
+from ..findings.finding import Finding, grouped
+from ..findings.words import in_a_sentence, limit, unit_of
+from ..findings.words import sentence as worded
 from ..law.terms import FRICTION
 from ..project.files import plain, write_json, write_rows, write_text
-from ..project.wording import Remark, percent, sentence, visible
+from ..project.wording import percent, sentence, visible
 from ..records.coordinate import ROTATION, TRANSLATION, Coordinate
-from ..records.measured import MeasuredRecord
+from ..records.record import Record
 from .answer import (
     CHECKS,
     NONE,
@@ -32,14 +35,12 @@ from .answer import (
     Interval,
     Verdict,
     columns_of,
+    doubted,
     entries,
-    limit,
-    unit_of,
 )
 from .law_comparison import LawComparison
 from .level import Level, damping_ratio
 from .outputs import ALL_PICTURES, REPORT, TABLES, pictures_of, require_room, written_together
-from .remarks import Limit, doubted, in_a_sentence, limits
 from .screen import (
     agreement_of,
     aligned,
@@ -82,12 +83,12 @@ class Identified(ABC):
     reference : the answer of the fit of one oscillator to all records; None where no oscillator that slips fits.
     warnings : what is wrong with the records, and where the answers disagree.
     head : what was identified from what, in a line.
-    rig : what the fit implies about the rig, in sentences.
+    rig : what the fit implies about the rig.
     settings : how the answers were computed, for the document.
     laws : which damping laws the records support, where that was asked for.
     records : that they come from.
     options : as given, by the keys of a configuration.
-    hint : on what the numbers depend, and what to state or give to be sure of them; empty where nothing is left.
+    hint : on what the numbers depend, and what to state or give to be sure of them; None where nothing is left.
 
     Records that rotate have the same numbers in units of a rotation (`coordinate` is `ROTATION` then): k and K_z in
     N m/rad, c in N m s/rad, masses as moments of inertia in kg m², and F_k in N m. F_k keeps its key in Python; what is
@@ -103,14 +104,14 @@ class Identified(ABC):
     sources: tuple[str, ...]
     estimates: Mapping[str, Answer]
     reference: Answer | None
-    warnings: tuple[Remark, ...]
+    warnings: tuple[Finding, ...]
     head: str
-    rig: Sequence[str]
+    rig: Sequence[Finding]
     settings: Mapping[str, Any]
     laws: LawComparison | None = None
-    records: tuple[MeasuredRecord, ...] = ()
+    records: tuple[Record, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
-    hint: str = ""
+    hint: Finding | None = None
 
     kind: ClassVar[Mapping[str, str]] = {}
     """How the document names the kind of records."""
@@ -267,28 +268,34 @@ class Identified(ABC):
     @property
     def verdicts(self) -> dict[str, Verdict]:
         """The verdict on each: usable, doubtful or none, and why."""
-        return {
-            symbol: one._replace(reason=self.in_words(one.reason))
-            for symbol, one in self.answer.verdicts.items()
-        }
+        return {symbol: one.worded(self.coordinate) for symbol, one in self.answer.verdicts.items()}
 
     @property
     def no_answer(self) -> str:
         """Why there is no answer, where no coefficient has a value whose error is bounded; empty where there is one."""
+        return "; ".join(worded(group, self.coordinate) for group in self._unanswered)
+
+    @property
+    def _unanswered(self) -> list[list[Finding]]:
+        """The findings for which there is no answer; none where there is one."""
         if self.answer.answered:
-            return ""
-        verdicts = self.verdicts
-        return "; ".join(dict.fromkeys(verdicts[s].reason for s in self.answer.coefficients))
+            return []
+        verdicts = self.answer.verdicts
+        every = [one for s in self.answer.coefficients for one in verdicts[s].findings]
+        return [
+            [*of] for of in grouped([one for i, one in enumerate(every) if one not in every[:i]])
+        ]
 
     @property
     def lead(self) -> str:
         """The sentence before all numbers: that there is no answer and its first cause, or no friction; else empty."""
-        if why := self.no_answer:
-            return sentence(f"no answer: {why.partition(';')[0]}")
+        if why := self._unanswered:
+            return sentence(f"no answer: {worded(why[0], self.coordinate, remedy=False)}")
         verdict, c = self.verdicts.get(FRICTION), self.answer.parameters.get("c")
         if verdict is None or c is None or (verdict.verdict, verdict.within) != (USABLE, math.inf):
             return ""
-        friction = limit(FRICTION, self.answer.parameters[FRICTION])
+        ends = self.answer.parameters[FRICTION].interval
+        friction = limit(FRICTION, *ends, self.coordinate)
         ratio = self.damping_ratio
         zeta = "" if math.isnan(ratio) else f", ζ = {percent(ratio, 2)}"
         words = f"No friction ({friction} at 95 %); c = {value_of(c)} {unit_of('c')}{zeta}."
@@ -347,7 +354,8 @@ class Identified(ABC):
 
     def _document(self) -> dict[str, Any]:
         """Return the document with the names of a translation."""
-        answers, findings = {n: entries(a) for n, a in self.approaches.items()}, self.findings()
+        answers = {n: entries(a, self.coordinate) for n, a in self.approaches.items()}
+        findings = self.findings()
         for entry, record in zip(findings["records"], self.records, strict=bool(self.records)):
             entry |= record.files or {}
         of, effects = self.sensitivities()
@@ -374,8 +382,11 @@ class Identified(ABC):
                 | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
                 for name, changes in effects.items()
             },
-            "limits": [asdict(limit) for limit in self.limits],
-            "warnings": list(self.warnings),
+            "findings": [
+                one.document() | {"sentence": worded(one, self.coordinate)}
+                for group in self.limits
+                for one in group
+            ],
         }
         return plain(everything)
 
@@ -391,32 +402,49 @@ class Identified(ABC):
                     f"{symbol}_verdict": v.verdict,
                     f"{symbol}_within_percent": 100.0 * v.within,
                 }
-            rows.append(row | {"note": "; ".join(answer.notes)})
+            rows.append(
+                row | {"note": "; ".join(worded(one, self.coordinate) for one in answer.notes)}
+            )
         rows[0]["no_answer"] = self.no_answer
         columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
         table = [{name: row.get(name) for name in columns} for row in rows]
         return [self.coordinate.document(row, self._names) for row in table]
 
     @property
-    def limits(self) -> list[Limit]:
-        """Limits of the answers, each once."""
-        return limits(self.approaches, self.warnings)
+    def limits(self) -> list[list[Finding]]:
+        """What limits the answers, each thing once, beginning with what may change a number most; of equal effect,
+        notes on answers come before findings on records and on all of them."""
+        notes = [note.about(name) for name, of in self.approaches.items() for note in of.notes]
+        of_records, of_all = (
+            [w for w in self.warnings if bool(w.of) == one] for one in (True, False)
+        )
+        groups = [*grouped(notes), *grouped(of_records), *([one] for one in of_all)]
+        return sorted(groups, key=lambda group: -max(one.largest for one in group))
 
     @property
     def limiting(self) -> list[str]:
         """Limits of the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
         return [
-            ("* " if of.kind == "approaches" else "warning: ")
-            + self.in_words(in_a_sentence(of, self.sources))
-            for of in self.limits
+            ("* " if group[0].of in self.approaches else "warning: ") + self.named(group)
+            for group in self.limits
         ]
+
+    def named(self, findings: Sequence[Finding]) -> str:
+        """Return findings of one kind in a sentence that names what they are about, unless it is the answer alone."""
+        if all(one.of == self.answer.name for one in findings):
+            return worded(findings, self.coordinate)
+        return in_a_sentence(findings, self.sources, self.coordinate)
+
+    def in_sentences(self, findings: Sequence[Finding]) -> list[str]:
+        """Return a sentence for each finding."""
+        return [sentence(worded(one, self.coordinate)) for one in findings]
 
     def text(self) -> str:
         """Return all sentences and tables for a screen, what `--details` shows and summary.txt holds: the answers with
         their 95 % intervals and verdicts, a line each, then what limits them; where there is no answer, the causes
         first and the numbers last."""
         tests, sentences = [*map(self.in_words, comparison(self.laws))], self.limiting
-        numbers = [self.head, "", *self._table(), "", *self.rig]
+        numbers = [self.head, "", *self._table(), "", *self.in_sentences(self.rig)]
         numbers += ["", *tests] if tests else []
         heading = "Causes and remedies" if self.no_answer else "What limits the answer"
         causes = [f"{heading}:", *sentences] if sentences else []
@@ -441,19 +469,18 @@ class Identified(ABC):
 
         width : of a line, characters; tables are not wrapped.   details : what shows the rest.
         """
-        answer = self.lead or self.in_words(answer_in_words(self.answer))
-        own = [of for of in self.limits if of.kind != "approaches" or self.answer.name in of.of]
-        first = self.no_answer.partition(";")[0]
-        cause = next((of for of in own if first and first in of.words), None)
+        answer = self.lead or self.in_words(answer_in_words(self.answer, self.coordinate))
+        own = [of for of in self.limits if {o.of for o in of} - {*self.approaches} or self._own(of)]
+        first = next(iter(self._unanswered), [])
+        cause = next((of for of in own if first and of[0].kind == first[0].kind), None)
         if cause is not None:  # with its remedy
-            answer = self.in_words(sentence(f"no answer: {cause.words}"))
+            answer = sentence(f"no answer: {worded(cause, self.coordinate)}")
             own.remove(cause)
-        names = self.sources  # of an approach it needs none: the answer is the one
-        causes = [o.words if o.kind == "approaches" else in_a_sentence(o, names) for o in own]
+        causes = [worded(o, self.coordinate) if self._own(o) else self.named(o) for o in own]
         left = max(0, len(causes) - _CAUSES)
-        causes = [sentence(self.in_words(one)) for one in causes[:_CAUSES]]
+        causes = [*map(sentence, causes[:_CAUSES])]
         if self.hint and not first and len(causes) < _CAUSES:
-            causes.append(self.hint)
+            causes += self.in_sentences([self.hint])
         c, mass = self.values.get("c", math.nan), (self.mass, self.mass_error)
         numbers = [*map(self.in_words, (*damping_of(self.k, mass, c, self.levels), self.check))]
         causes = [f"- {one}" for one in causes]
@@ -463,6 +490,10 @@ class Identified(ABC):
         parts += [[f"See {details} for {more}, and for what they depend on."]]
         broken = [wrapped(part, width) for part in ([answer], *parts)]
         return "\n\n".join("\n".join(part) for part in broken if part) + "\n"
+
+    def _own(self, findings: Sequence[Finding]) -> bool:
+        """Return whether findings are about the answer."""
+        return self.answer.name in {one.of for one in findings}
 
     def summary(self) -> pd.DataFrame:
         """Return the answer as a table for a notebook: a line for each number, with unit, value, standard error,

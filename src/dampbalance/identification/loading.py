@@ -10,11 +10,12 @@ import numpy as np
 
 from ..arguments import NUMBERS, number
 from ..arrays import Array
+from ..findings.finding import Finding
+from ..findings.words import sentence
 from ..law.law import Law
-from ..project.wording import Remark
-from ..records.measured import MeasuredRecord
-from ..records.measurement import EXCITATIONS, Correction, Measurement
-from ..signals.checks import SETTLES, Unsettled, is_clipped
+from ..records.channel import EXCITATIONS, Channel, Correction
+from ..records.record import Record
+from ..signals.checks import Unsettled, is_clipped
 from ..signals.conditioning import SteadyRecord, condition
 from ..signals.drive import stands_still
 from ..signals.dwells import Dwell, Swept, dwells_of
@@ -26,16 +27,14 @@ EXCERPT = (
 
 _TIMES = 3  # that a beginning is left out: a slow mode shows when a fast one has decayed
 
-_LEFT_OUT = "a channel is clipped: the record is left out; raise the measuring range"
 
-
-def keeps_moving(record: MeasuredRecord) -> bool:
+def keeps_moving(record: Record) -> bool:
     """Return whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or
     strikes."""
-    return record.driven and not stands_still(record.recorded().excitation.values)
+    return record.driven and not stands_still(record.excitation.values)
 
 
-def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
+def levels_of(record: Record) -> tuple[Record, ...]:
     """Return a record for each dwell of the drive of a forced record, as of a staircase of levels; the record itself
     where its drive does not step.
 
@@ -43,41 +42,35 @@ def levels_of(record: MeasuredRecord) -> tuple[MeasuredRecord, ...]:
     """
     if not keeps_moving(record):
         return (record,)
-    drive = record.recorded().excitation
+    drive = record.excitation
     try:
         dwells = dwells_of(drive.t, drive.values)
     except Swept as error:
         raise ValueError(f"{record.name}: {error}") from None
     if not dwells:
         return (record,)
-    said = Remark(
-        "a level of {} in one file, which is split at the steps of its drive", len(dwells)
-    )
+    said = Finding("several levels", {"levels": len(dwells)})
     return tuple(
         replace(
             record,
             name=f"{record.name} (level {number})",
             label=f"{record.label} (level {number})",
-            measurement=_between(record.recorded(), dwell, f"{record.name} (level {number})"),
+            channels=_between(record, dwell),
             warnings=(*record.warnings, said),
         )
         for number, dwell in enumerate(dwells, start=1)
     )
 
 
-def _between(measurement: Measurement, dwell: Dwell, source: str) -> Measurement:
-    """Return the part of all channels in a dwell, as a measurement of its own."""
-    channels = {}
-    for quantity in measurement:
-        channel = measurement[quantity]
-        channels[quantity] = channel.part(
-            slice(*np.searchsorted(channel.t, (dwell.start, dwell.end)))
-        )
-    return replace(measurement, source=source, channels=channels)
+def _between(record: Record, dwell: Dwell) -> dict[str, Channel]:
+    """Return the part of all channels in a dwell."""
+    ends = (dwell.start, dwell.end)
+    channels = record.channels.items()
+    return {q: of.part(slice(*np.searchsorted(of.t, ends))) for q, of in channels}
 
 
 def load(
-    record: MeasuredRecord,
+    record: Record,
     k: float,
     *,
     frequency_hz: float | None = None,
@@ -95,17 +88,12 @@ def load(
     Raises ValueError naming the record for a free decay, and for one that cannot be used.
     """
     if not keeps_moving(record):
-        raise ValueError(
-            f"{record.name}: the excitation channel is missing or constant, or only strikes: a forced record needs one "
-            f"that keeps moving ({', '.join(EXCITATIONS)}); a free decay is identified by itself (--kind ring-down)"
-        )
+        why = Finding("not forced", {"drives": tuple(map(record.coordinate.noun, EXCITATIONS))})
+        raise ValueError(f"{record.name}: {sentence(why, record.coordinate)}")
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
-    recorded = record.recorded()
 
     def read(skipped: int) -> SteadyRecord:
-        return condition(
-            recorded, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass
-        )
+        return condition(record, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass)
 
     skipped = skip_cycles
     for _ in range(_TIMES):
@@ -115,8 +103,8 @@ def load(
         skipped = settled
     if skipped > skip_cycles:
         steady = read(skipped) if steady is None or settled else steady
-        said = "the motion settles after {} cycles: they are left out, as --skip-cycles does"
-        steady = replace(steady, warnings=(*steady.warnings, Remark(said, skipped)))
+        said = Finding("settles", {"cycles": skipped})
+        steady = replace(steady, warnings=(*steady.warnings, said))
     assert steady is not None
     return Reading(replace(steady, warnings=(*record.warnings, *steady.warnings)))
 
@@ -130,7 +118,7 @@ def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, St
         if isinstance(cause := error.__cause__, Unsettled) and cause.skip:
             return cause.skip, None
         raise
-    of_start = (one.of[-1] for one in steady.warnings if SETTLES in one.template)
+    of_start = (one.numbers["skip"] for one in steady.warnings if one.code == "unsettled")
     return max(of_start, default=0), steady
 
 
@@ -141,9 +129,7 @@ def require_different_levels(readings: Sequence[Reading], k: float, law: Law) ->
     law.require([r.steady.frequency_hz for r in readings], by_balance=False)
     for steady in (reading.steady for reading in readings):
         if steady.k != k:
-            raise ValueError(
-                f"{steady.source} was read with k = {steady.k:g} N/m, not with {k:g} N/m"
-            )
+            raise ValueError(f"{steady.source} was read with k = {steady.k:g}, not with {k:g}")
     for one, other in itertools.combinations((reading.steady for reading in readings), 2):
         # copies have cycles with the same harmonics, to what another format may change
         bound = 1e-9 * abs(one.X[0, 1])
@@ -154,25 +140,25 @@ def require_different_levels(readings: Sequence[Reading], k: float, law: Law) ->
 
 
 def unclipped(
-    records: tuple[MeasuredRecord, ...], readings: list[Reading], law: Law
-) -> tuple[tuple[MeasuredRecord, ...], list[Reading], list[Remark]]:
-    """Return the records that are not clipped, with their readings, and a sentence on each other one; all of them where
+    records: tuple[Record, ...], readings: list[Reading], law: Law
+) -> tuple[tuple[Record, ...], list[Reading], list[Finding]]:
+    """Return the records that are not clipped, with their readings, and a finding on each other one; all of them where
     too few would be left to show how well they fit."""
     clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
     if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
         return records, readings, []
     kept = [i for i, is_out in enumerate(clipped) if not is_out]
     out = [one.steady.source for one, is_out in zip(readings, clipped, strict=True) if is_out]
-    said = [Remark(_LEFT_OUT, source=source) for source in out]
+    said = [Finding("left out", of=source) for source in out]
     return tuple(records[i] for i in kept), [readings[i] for i in kept], said
 
 
-def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tuple[Array, Array]:
+def excerpt(record: Record, quantity: str, steady: SteadyRecord) -> tuple[Array, Array]:
     """Return the leading steady samples of a channel, t (s) and values (SI units), for pictures.
 
     steady : the steady state of the record.
     """
-    channel = record.whole()[quantity]
+    channel = record.corrected()[quantity]
     t = channel.t
     cycles = int(np.searchsorted(t, t[0] + 6.0 * np.pi / steady.omega))
     count = max(EXCERPT, cycles)
@@ -181,8 +167,7 @@ def excerpt(record: MeasuredRecord, quantity: str, steady: SteadyRecord) -> tupl
     return t[part], channel.values[part]
 
 
-def correction_of(record: MeasuredRecord, quantity: str) -> Correction:
-    """Return gain, delay and filters of a channel as they are known: its own, or what the mapping states."""
-    own = None if record.measurement is None else record.measurement[quantity].correction
-    rule = record.rules.channels.get(quantity)
-    return own or (rule.correction if rule else None) or Correction()
+def correction_of(record: Record, quantity: str) -> Correction:
+    """Return gain, delay and filters of a channel as they are known: none are those of a table."""
+    channel = record.channels.get(quantity)
+    return (channel and channel.correction) or Correction()

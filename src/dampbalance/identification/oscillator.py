@@ -17,6 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..features import Features, stack
+from ..findings.finding import UNBOUNDED, Finding
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import LinearFit, improbable, linear_fit
 from ..fit.oscillator_fit import OscillatorFit
@@ -24,30 +25,15 @@ from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
 from ..fit.waveforms import OSCILLATOR, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..project.wording import Remark, listed
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.thresholds import P_SHOWN, SHOWS
 from ..solver import NORMAL_95
-from .answer import DIRECT, FUNDAMENTALS, UNBOUNDED, Answer, answer_of_fit
-from .causes import CAUSES, FRAME, Explanation, explanations, fall_of, moves
+from .answer import DIRECT, FUNDAMENTALS, Answer, answer_of_fit
+from .causes import FRAME, NOT_IN_ROWS, Explanation, departure, explanations, fall_of, moves
 
 Of = TypeVar("Of")
 To = TypeVar("To")
-
-FAR = Remark(
-    "no such oscillator explains the records: this is only the closest fit",
-    doubts=UNBOUNDED,
-)
-NOT_CONVERGED = Remark(
-    "the search for the best fit stopped before it converged: its numbers are not the optimum",
-    doubts=UNBOUNDED,
-)
-
-_OF_FUNDAMENTALS = (
-    "no one oscillator explains the higher harmonics: the numbers are fitted to the fundamental of each level, whose "
-    "dynamic stiffness scatters by {} % about the fit; the intervals follow from that scatter"
-)
 
 _DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping act differently
 
@@ -100,7 +86,7 @@ class JointFit:
         """Whether the records have a departure that the answer is freed of, and rows of the balance are not."""
         freed = () if self.fundamentals is None else self.fundamentals.departures
         names = {*freed, *(name for one in self.explained[:1] for name in one.names)}
-        return any(CAUSES[name].in_rows for name in names)
+        return bool(names - NOT_IN_ROWS)
 
     @property
     def mass_taken(self) -> bool:
@@ -115,18 +101,14 @@ class JointFit:
         return fit
 
     @property
-    def notes(self) -> tuple[Remark, ...]:
-        """Remarks that a reader needs before using the numbers of the fit."""
+    def notes(self) -> tuple[Finding, ...]:
+        """What one must know before using the numbers of the fit."""
         fit = self._best
         if fit is None or self.linear:
             return ()
-        of_zero = "is at its limit, zero: its error is not normally distributed"
-        shown = {
-            FAR: not fit.adequate,
-            NOT_CONVERGED: not fit.converged,
-            **{Remark(f"the best {key} {of_zero}"): True for key in fit.undamped},
-        }
-        return tuple(note for note, holds in shown.items() if holds)
+        far = [] if fit.adequate else [Finding("far", effect=UNBOUNDED)]
+        early = [] if fit.converged else [Finding("not converged", effect=UNBOUNDED)]
+        return (*far, *early, *(Finding("at its limit", {"symbol": key}) for key in fit.undamped))
 
     @property
     def _best(self) -> WaveformFit | None:
@@ -173,11 +155,11 @@ class JointFit:
         fit = self.fundamentals
         if fit is None:
             return None
-        along = listed([CAUSES[n].sized(fit.value(n), fit.error(n)) for n in fit.departures])
-        note = Remark(
-            f"{_OF_FUNDAMENTALS}{f', corrected for {along}' if along else ''}",
-            f"{100.0 * fit.scatter:.2g}",
-            doubts={key: by for key, by in fit.turned.items() if key in fit.law.unknowns},
+        along = tuple(departure(n, fit.value(n), fit.error(n)) for n in fit.departures)
+        note = Finding(
+            "fundamentals",
+            {"scatter": fit.scatter, "causes": along},
+            {key: by for key, by in fit.turned.items() if key in fit.law.unknowns},
         )
         return answer_of_fit(fit, fit.law.unknowns, [note], name=FUNDAMENTALS, residual=fit.scatter)
 

@@ -31,8 +31,8 @@ from ..figures.style import (
 from ..fit.decay import COMMON, RingFit
 from ..fit.waveforms import WaveformFit
 from ..project.wording import cut
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ORDERS
+from ..records.channel import ORDERS
+from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from .answer import Answer
 from .loading import excerpt
@@ -61,7 +61,7 @@ _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
 @styled()
 def cycles(
-    records: Sequence[MeasuredRecord], readings: Sequence[Reading], fit: WaveformFit | None = None
+    records: Sequence[Record], readings: Sequence[Reading], fit: WaveformFit | None = None
 ) -> Figure:
     """Return each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
     oscillator (dashes); below, what the fit leaves of the samples, over the standard deviation of the noise. Without a
@@ -105,7 +105,7 @@ def cycles(
 
 @styled()
 def friction(
-    records: Sequence[MeasuredRecord],
+    records: Sequence[Record],
     loops: Sequence[Mapping[str, Array]],
     fit: WaveformFit | None = None,
 ) -> Figure:
@@ -235,7 +235,7 @@ def _with_residual(
 
 
 def _panels_of_records(
-    records: Sequence[MeasuredRecord], xlabel: str, below: float = 0.0
+    records: Sequence[Record], xlabel: str, below: float = 0.0
 ) -> tuple[Figure, list[tuple[Axes, Axes]]]:
     """Return a panel for each record; the lowest of each column has the label of the abscissa."""
     figure, panels = _panels([record.label for record in records], 34.0, 9.0, below)

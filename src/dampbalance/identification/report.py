@@ -17,9 +17,11 @@ from markupsafe import Markup
 
 from .. import __version__
 from ..figures.style import COOL, DARK, GRID, INK, PAPER_COLOUR, follows_the_screen, save_svg
+from ..findings.finding import Finding
+from ..findings.words import limit, unit_of
+from ..findings.words import sentence as worded
 from ..law.terms import term
 from ..project.wording import (
-    Remark,
     dotted,
     in_html,
     larger_by,
@@ -31,10 +33,9 @@ from ..project.wording import (
     visible,
     with_unit,
 )
-from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate, limit, unit_of
-from .remarks import in_a_sentence
+from ..records.coordinate import TRANSLATION, Coordinate
+from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate
 from .screen import answers_table, comparison, interval_of, value_of
-from .symptoms import address, symptoms_in
 
 _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
     "paper": (PAPER_COLOUR, DARK[PAPER_COLOUR]),
@@ -70,7 +71,7 @@ def _known(value: float | None) -> float:
 # --- what the report of one set says --------------------------------------------------------------
 
 
-def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
+def _verdict(answer: Answer, coordinate: Coordinate) -> tuple[str, str]:
     """Return the whole result in a sentence: which numbers can be used, with their values, and the first reason where
     others cannot; and the class of the paragraph."""
     groups: dict[str, list[str]] = {USABLE: [], DOUBTFUL: [], NONE: []}
@@ -90,16 +91,18 @@ def _verdict(answer: Answer, warnings: Sequence[Remark]) -> tuple[str, str]:
         parts.append(f"{listed(none)} cannot be determined from these records")
     kind = DOUBTFUL if usable and (doubtful or none) else next(k for k, of in groups.items() if of)
     if kind != USABLE:
-        first = next(v.reason for v in answer.verdicts.values() if v.verdict != USABLE)
-        source = next((w.source for w in warnings if w.source and first.startswith(w.words)), "")
-        clause = _clause(first).partition(":")[0]
-        parts.append(f"the first reason: {clause}" + (source and f" ({_short(source)})"))
+        every = [f for v in answer.verdicts.values() if v.verdict != USABLE for f in v.findings]
+        first = [one for one in every if one.kind == every[0].kind]
+        clause = worded(first, coordinate, remedy=False).partition(":")[0]
+        parts.append(f"the first reason: {clause}" + (first[0].of and f" ({_short(first[0].of)})"))
     return sentence("; ".join(parts)), f"lead {kind}"
 
 
-def _clause(text: str) -> str:
-    """Return what a sentence says first."""
-    return text.partition(";")[0]
+def _first_reason(findings: Sequence[Finding], coordinate: Coordinate) -> str:
+    """Return the first finding of a verdict in words, and whether there are others."""
+    first = [one for one in findings if one.kind == findings[0].kind]
+    more = " …" if len(first) < len(findings) else ""
+    return worded(first, coordinate, remedy=False) + more if first else ""
 
 
 def _names(sources: Sequence[str]) -> str:
@@ -118,7 +121,7 @@ def _values(answer: Answer, symbols: Sequence[str]) -> str:
     for symbol in symbols:
         p = answer.parameters[symbol]
         if p.interval.low <= 0.0 < p.interval.high and answer.verdicts[symbol].verdict == USABLE:
-            texts.append(limit(symbol, p))
+            texts.append(limit(symbol, *p.interval, TRANSLATION))
             continue
         share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if p.within < 1.0 else ""
         value = value_of(p)
@@ -146,9 +149,18 @@ def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
 
 
-def _explained(sentences: Iterable[str]) -> list[str]:
-    """Return where the site explains the symptoms that sentences name; none where they name none."""
-    if not (names := symptoms_in(sentences)):
+PAGE = "howto/symptoms"
+"""The page of the site with a section for each symptom."""
+
+
+def address(page: str) -> str:
+    """Return where the site explains a symptom, relative to its first page."""
+    return f"{PAGE}.html#{page}"
+
+
+def _explained(findings: Iterable[Finding]) -> list[str]:
+    """Return where the site explains findings; none where it does not."""
+    if not (names := [*dict.fromkeys(page for one in findings for page in one.pages)]):
         return []
     return [
         "how this looks in a record, what it does to each number and what to do: on the site (make docs), "
@@ -212,7 +224,7 @@ _TEMPLATES.globals |= {
     "dotted": dotted,
     "explained": _explained,
     "first_check": _first_check,
-    "in_a_sentence": in_a_sentence,
+    "first_reason": _first_reason,
     "rig": _rig,
     "verdict": _verdict,
 }

@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 from ..arguments import flag, one_of, whole
+from ..findings.finding import Finding
+from ..findings.words import sentence
 from ..law.law import law_of
 from ..project.options import IN_WORDS, OPTIONS, Option, asked
+from ..records.coordinate import TRANSLATION
 from ..records.mapping import MappingLike
-from ..records.measured import MeasuredRecord, as_records, require_different
+from ..records.measured import as_records, require_different
 from ..records.quantities import quantity, read_quantity, with_error
+from ..records.record import Record
 from .loading import levels_of
 
 if TYPE_CHECKING:
@@ -21,11 +25,6 @@ if TYPE_CHECKING:
     from .identified import Identified
 
 _ANY = 1e3  # k₀/m, rad²/s², of 5 Hz
-
-STATIC_TEST = (
-    "Measure it statically: hang known weights on the mass with the contact loose, and take the slope of force over "
-    "displacement."
-)
 
 
 _READERS: Mapping[str, Callable[[Option, Any], Any]] = {
@@ -62,10 +61,7 @@ def with_stiffness_by_mass(
     for one in (identified, *further):
         found = one({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
         if math.isnan(found.mass):
-            raise ValueError(
-                "the records do not show the natural frequency from which, with the mass, the stiffness follows: give "
-                f"it (--stiffness). {STATIC_TEST}"
-            )
+            raise ValueError(sentence(Finding("no natural frequency"), found.coordinate))
         k *= mass / found.mass
     error = math.hypot(options["mass_standard_error_kg"] / mass, found.mass_error / found.mass)
     return {**options, "stiffness_standard_error_N_per_m": k * error}, k
@@ -81,11 +77,8 @@ def read_options(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
     """
     given = asked(kind, options)
     if kind in ("forced", "ring-down") and not {"stiffness", "mass"} & given.keys():
-        raise ValueError(
-            f"stiffness (--stiffness) is missing: {IN_WORDS[kind]} need it, N/m. {STATIC_TEST} Where that cannot "
-            "be done, the mass alone (--mass) gives it from the frequency of the motion. Only a table of a stepped "
-            "sine with a force does without (kind stepped-sine)"
-        )
+        kind_in_words = Finding("no stiffness", {"kind": IN_WORDS[kind]})
+        raise ValueError(sentence(kind_in_words, TRANSLATION))
     law = law_of(*map(given.get, ("terms", "given", "groups")))
     given |= {"terms": law.terms, "given": law.given, "groups": law.groups}
     read: dict[str, Any] = {"kind": kind}
@@ -106,7 +99,7 @@ def read_request(
     mapping: MappingLike,
     options: Mapping[str, Any],
     reader: ReaderOfTables | None = None,
-) -> tuple[tuple[MeasuredRecord, ...], dict[str, Any]]:
+) -> tuple[tuple[Record, ...], dict[str, Any]]:
     """Return the records of one kind, several levels of excitation in one as a record for each, and all options as
     `read_options` does.
 
@@ -120,7 +113,7 @@ def read_request(
     require_different(read)
     tables = kind == "stepped-sine"
     for record in read:
-        if (record.measurement is None) != tables:
+        if bool(record.channels) == tables:
             is_it = "no" if tables else "a"
             others = "forced records or free decays" if tables else IN_WORDS["stepped-sine"]
             raise ValueError(

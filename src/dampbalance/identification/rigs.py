@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
+from ..findings.finding import UNBOUNDED, Finding
+from ..findings.words import sentence
 from ..law.law import Law
-from ..law.terms import term
-from ..project.wording import Remark, number_text, with_unit
-from ..records.measured import MeasuredRecord
+from ..records.coordinate import Coordinate
+from ..records.record import Record
 from ..signals.mean_harmonics import Reading
-from .answer import UNBOUNDED
 from .loading import load
 from .oscillator import JointFit, joint_fit
 
@@ -26,16 +26,15 @@ class Masses(NamedTuple):
     on_base: float | None
 
 
-def require_base(records: Sequence[MeasuredRecord], what: str, remedy: str) -> None:
-    """Raise ValueError for the first record that a force drives.   what : of the settings needs a base that moves."""
+def require_driven_by(base: bool, records: Sequence[Record], code: str) -> None:
+    """Raise ValueError for the first record that is not driven by a base that moves, or by a force.   code : why that
+    is needed."""
     for record in records:
-        if "force" in record.quantities:
-            raise ValueError(
-                f"{record.name}: a force drives; {what}: {remedy[0].lower()}{remedy[1:]}"
-            )
+        if base == ("force" in record.quantities):
+            raise ValueError(f"{record.name}: {sentence(Finding(code), record.coordinate)}")
 
 
-def masses_of(records: Sequence[MeasuredRecord], options: Mapping[str, Any]) -> Masses:
+def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
     """Return the masses of a rig from options by the keys of a configuration.
 
     Where contact and damper of a mount both go to the base, the motion against the base takes the place of x. A load
@@ -51,41 +50,35 @@ def masses_of(records: Sequence[MeasuredRecord], options: Mapping[str, Any]) -> 
                 "contact_to = base needs stiffness and mass, as a mount moves as under the force −mÿ: weigh what "
                 "stands on it (--mass)"
             )
-        at_rest = "contact_to = base is for a base that moves"
-        require_base(records, at_rest, "leave it out, as ground and base are at rest alike")
+        require_driven_by(True, records, "no base")
     if fixture is not None:
-        for record in records:
-            if "force" not in record.quantities:
-                raise ValueError(
-                    f"{record.name}: fixture_mass is what a load cell carries besides the mass, and the record has no "
-                    "force: leave it out"
-                )
+        require_driven_by(False, records, "no load cell")
     moving = mass + (fixture or 0.0) if mass is not None else None
     return Masses(moving, mass if options["contact_to"] == "base" else None)
 
 
-def require_possible(readings: Sequence[Reading], mass: float | None, k: float) -> None:
+def require_possible(
+    readings: Sequence[Reading], mass: float | None, k: float, coordinate: Coordinate
+) -> None:
     """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
     if mass is None:
         return
     for reading in readings:
         swings = math.sqrt(k / mass) / reading.steady.omega
         if not 1e-3 < swings < 1e3:  # beyond that a unit is wrong
-            raise ValueError(
-                f"with k = {k:g} N/m and m = {mass:g} kg the oscillator swings {swings:.2g} times in a cycle of "
-                f"{reading.steady.source}: give the mass in kg and the stiffness in N/m, or leave out the mass"
-            )
+            why = Finding("impossible", {"k": k, "given": mass, "swings": swings})
+            raise ValueError(f"{reading.steady.source}: {sentence(why, coordinate)}")
 
 
 def of_a_mount(
     joint: JointFit,
-    records: Sequence[MeasuredRecord],
+    records: Sequence[Record],
     k: float,
     masses: Masses,
     law: Law,
     of_drive: Mapping[str, Any],
-) -> Iterator[Remark]:
-    """Yield a sentence where the records are those of a mount within their noise, and not of a contact to the ground.
+) -> Iterator[Finding]:
+    """Yield a finding where the records are those of a mount within their noise, and not of a contact to the ground.
 
     joint : the fit with the contact to the ground.   k : N/m.   of_drive : options of `load`.
     """
@@ -100,12 +93,5 @@ def of_a_mount(
     lines = [reading.lines for reading in readings]
     other = joint_fit(lines, k, masses.moving, law, departures=False)
     if other.waveforms_hold and other.mass_fits and other.fit is not None:
-        values = ", ".join(
-            with_unit(f"{key} = {number_text(other.fit.value(key), 3)}", term(key).unit)
-            for key in law.unknowns
-        )
-        yield Remark(
-            f"a mount, whose friction acts between base and mass, explains the records within their noise ({values}): "
-            "if yours is one, give contact_to=base (--contact-to base)",
-            doubts=UNBOUNDED,
-        )
+        values = tuple((key, other.fit.value(key)) for key in law.unknowns)
+        yield Finding("mount", {"values": values}, UNBOUNDED)

@@ -7,13 +7,15 @@ import re
 import textwrap
 from collections.abc import Mapping, Sequence
 
+from ..findings.finding import Finding
+from ..findings.words import limit, sentence, unit_of
 from ..fit.oscillator_fit import OscillatorFit
 from ..project import wording
 from ..project.wording import listed, number_text, part, percent, rounded, with_error
-from .answer import USABLE, Answer, ParameterEstimate, Verdict, limit, unit_of
+from ..records.coordinate import TRANSLATION, Coordinate
+from .answer import USABLE, Answer, ParameterEstimate, Verdict
 from .law_comparison import LawComparison, Probability
 from .level import Level, damping_ratio
-from .remarks import of_masses
 
 _ROUNDING = 1e-12
 _SKEW = 0.1  # of the half width, by which a value may lie off the middle of an interval that is shown as ±
@@ -51,12 +53,13 @@ def in_one(verdicts: Mapping[str, Verdict]) -> str:
     return "; ".join(parts)
 
 
-def answer_in_words(answer: Answer) -> str:
+def answer_in_words(answer: Answer, coordinate: Coordinate) -> str:
     """Return the values with their intervals of 95 %, and how far they can be used, in a sentence: "F_k = 2.100 ± 0.010
     N, … at 95 %: usable within 0.6 %."; after a doubt its first reason."""
     values = [_with_half_width(symbol, p) for symbol, p in answer.parameters.items()]
-    doubts = [v.reason for v in answer.verdicts.values() if v.verdict != USABLE]
-    why = f", as {doubts[0].partition(';')[0]}" if doubts and doubts[0] else ""
+    doubts = [f for v in answer.verdicts.values() if v.verdict != USABLE for f in v.findings]
+    first = [one for one in doubts if one.kind == doubts[0].kind]
+    why = f", as {sentence(first, coordinate, remedy=False)}" if first else ""
     return f"{', '.join(filter(None, values))} at 95 %: {in_one(answer.verdicts)}{why}."
 
 
@@ -68,7 +71,7 @@ def _with_half_width(symbol: str, p: ParameterEstimate) -> str:
     if math.isnan(p.value):
         return ""
     if math.isinf(high) or low <= 0.0 < high:
-        return limit(symbol, p)
+        return limit(symbol, low, high, TRANSLATION)
     symmetric = abs(p.value - middle) < _SKEW * half
     shown = with_error(p.value, half) if symmetric else with_interval(p)
     return wording.with_unit(f"{symbol} = {shown}", unit_of(symbol))
@@ -170,21 +173,17 @@ def _in_noise(test: Probability | None) -> str:
     return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"
 
 
-def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[str]:
-    """Say what a fit implies about the rig: numbers that its owner can check.
+def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[Finding]:
+    """Return what a fit implies about the rig: numbers that its owner can check.
 
     given_mass : kg, to compare with the mass of the fit, unless that is the one.
     """
     error = fit.error("m")
     # what rounding leaves of the error of a mass that is given
     given = error < _ROUNDING * fit.m
-    mass = "your mass" if given else f"m = {with_error(fit.m, error)} kg"
-    compared = [] if given or given_mass is None else [f"The {of_masses(fit.m, given_mass)}."]
-    return [
-        f"Best fit: {mass}, natural frequency {number_text(fit.natural_frequency_hz, 4)} Hz with the contact slipping.",
-        "If your rig differs, check gains, units and stiffness.",
-        *compared,
-    ]
+    of = {"given": given, "size": (fit.m, error), "hertz": fit.natural_frequency_hz}
+    compared = {} if given or given_mass is None else {"masses": (fit.m, given_mass)}
+    return [Finding("best fit", of), *([Finding("masses", compared)] if compared else [])]
 
 
 def with_interval(parameter: ParameterEstimate) -> str:

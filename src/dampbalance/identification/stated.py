@@ -20,12 +20,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from ..project.wording import change_text, listed, with_error
-from ..records.measurement import ACCOMPANYING, EXCITATIONS
-from .answer import REFERENCE, Answer, unit_of
+from ..findings.finding import Finding
+from ..records.channel import ACCOMPANYING, EXCITATIONS
+from .answer import REFERENCE, Answer
 from .identified import Identified
 from .loading import correction_of
-from .request import STATIC_TEST
 from .sensitivities import FAULTS, Fault
 
 Outcome = TypeVar("Outcome", bound=Identified)
@@ -58,10 +57,8 @@ def with_stated_uncertainties(found: Outcome) -> Outcome:
         found,
         estimates=estimates,
         reference=reference,
-        head=found.in_words(found.head),
-        rig=[found.in_words(said) for said in (*found.rig, *filter(None, (hint, effects)))],
-        hint=found.in_words(hint),
-        warnings=tuple(found.coordinate.remark(one, found.sources) for one in found.warnings),
+        rig=[*found.rig, *filter(None, (hint, effects))],
+        hint=hint,
         settings={**found.settings, **settings},
     )
 
@@ -105,43 +102,32 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
     )
 
 
-def _conditional(found: Identified, stiffness: bool, mass: bool) -> tuple[str, str]:
-    """Return a sentence on what the numbers depend on and records hardly test, with what to state or give, and one on
-    how much they depend on it; empty where it is stated and tested.
+def _conditional(
+    found: Identified, stiffness: bool, mass: bool
+) -> tuple[Finding | None, Finding | None]:
+    """Return a finding on what the numbers depend on and records hardly test, with what to state or give, and one on
+    how much they depend on it; None where it is stated and tested.
 
     stiffness : whether its uncertainty is stated.   mass : whether it is given.
     """
     by_mass = mass and found.mass_tests and found.options["stiffness_N_per_m"] is None
     if by_mass:
-        k = with_error(found.k, found.options["stiffness_standard_error_N_per_m"])
-        return (
-            f"k = {k} N/m follows from the mass and the natural frequency of the records, and all numbers are in "
-            f"proportion to it. {STATIC_TEST}",
-            "",
-        )
+        k = found.k, found.options["stiffness_standard_error_N_per_m"]
+        return Finding("k by the mass", {"k": k}), None
     if stiffness and mass:
-        return "", ""
+        return None, None
     name, answer = next(iter(found.approaches.items()))
     effects = []
     for what, changes in found.shifts(_UNTESTED, name).items():
-        parts = [
-            f"{symbol} by {change_text(p.value, share * p.value, unit_of(symbol))}"
+        parts = tuple(
+            (symbol, p.value, share * p.value)
             for symbol, p in answer.parameters.items()
             if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 0.01 * _FELT
-        ]
-        effects += [f"1 % in {what} changes {listed(parts)}"] if parts else []
+        )
+        effects += [(what, parts)] if parts else []
     if not effects:
-        return "", ""
+        return None, None
     known = found.options.get("stiffness_N_per_m")
-    asked = (
-        []
-        if known is None or stiffness
-        else [f'state their uncertainties (--stiffness "{known:g} ± 1 %")']
-    )
-    asked += ["give the mass (--mass), which tests them"] * (found.mass_tests and not mass)
-    remedy = f": {listed(asked)}" if asked else ""
-    return (
-        f"All numbers are conditional on the {'' if known is None else 'stiffness and the '}gains, which the records "
-        f"alone hardly test, or not at all{remedy}.",
-        f"An error of {'; '.join(effects)}.",
-    )
+    weigh = found.mass_tests and not mass
+    hint = {"k": known or 0.0, "state": bool(known) and not stiffness, "weigh": weigh}
+    return Finding("conditional", hint), Finding("depends", {"effects": tuple(effects)})

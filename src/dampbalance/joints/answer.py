@@ -18,9 +18,10 @@ import numpy as np
 
 from ..arrays import Integers, Mask
 from ..balance import Rows
+from ..findings.finding import UNBOUNDED, Finding
+from ..findings.words import sentence
 from ..identification.answer import (
     CONFIDENCE,
-    UNBOUNDED,
     UNKNOWN,
     Answer,
     Balance,
@@ -36,7 +37,7 @@ from ..identification.stated import with_stated_uncertainties
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.options import Stated, SteppedSineOptions, with_options
-from ..project.wording import Remark, listed, number_text, with_error
+from ..project.wording import listed
 from ..records.mapping import MappingLike
 from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
 from .lines import Contact, SteppedLines
@@ -103,7 +104,7 @@ class SteppedOutcome(Identified):
             compared = {
                 "supported": self.compared.supported,
                 "probability_of_one_slider": self.compared.p,
-                "words": self.compared.words(),
+                "words": sentence(self.compared.finding(), self.coordinate),
                 "levels": list(self.lines.names),
                 "loss_rms_of_each_level_left_out": {
                     trial.name: [of.loss for of in trial.held_out] for trial in self.compared.trials
@@ -126,8 +127,8 @@ class SteppedOutcome(Identified):
 
     @property
     def check(self) -> str:
-        """The sentence on which contact the lines support."""
-        return self.rig[0]
+        """The sentence on which contact the lines support, or on the part of it that slips."""
+        return self.in_sentences(self.rig[:1])[0]
 
     @property
     def levels(self) -> list[Level]:
@@ -267,7 +268,8 @@ def identify_joint(
         else []
         for name, fit in fits.items()
     }
-    said = [] if compared is None else [f"{compared.words()}."]
+    said = [] if compared is None else [compared.finding()]
+    unknown = {FRICTION: math.inf, "K_z": math.inf}
     found = SteppedOutcome(
         k=first.values["k"],
         sources=tuple(table.name for table in tables),
@@ -276,10 +278,17 @@ def identify_joint(
             for name, fit in fits.items()
         },
         reference=None,
-        warnings=(*[_UNCOMPARED] * (not compared and len(contacts) > 1), *_on_stuck(first)),
+        warnings=(
+            *(
+                [Finding("two levels", effect=unknown)]
+                if not compared and len(contacts) > 1
+                else []
+            ),
+            *_on_stuck(first),
+        ),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[
-            *(words[0].upper() + words[1:] for words in said),
+            *said,
             *_rig(first, lines),
             *_counted(tables),
         ],
@@ -293,12 +302,6 @@ def identify_joint(
         options=of,
     )
     return with_stated_uncertainties(found)
-
-
-_UNCOMPARED = Remark(
-    "two levels do not show whether one slider is enough, or many slip one after the other: add a level",
-    doubts={FRICTION: math.inf, "K_z": math.inf},
-)
 
 
 def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLines, Integers]:
@@ -333,30 +336,23 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLin
     return lines, np.repeat([i for i, _, _ in levels], sizes)
 
 
-def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Remark]:
-    """Yield a remark where the lines contradict the stiffness stated, by the likelihood of the contact with k free."""
+def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Finding]:
+    """Yield a finding where the lines contradict the stiffness stated, by the likelihood of the contact with k free."""
     k, (shown, gain) = fit.values["k"], fit.shown or (0.0, 0.0)
     if gain <= 0.0:
         return
     error = abs(k - shown) / math.sqrt(gain)
     if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
-        sticks = ", a part of the contact may stick in every line" * (k < shown)
-        yield Remark(
-            f"the stiffness stated is {k:g} N/m, but the lines imply {with_error(shown, error)} N/m: a unit or a "
-            f"gain may be wrong{sticks}; leave it out to identify it",
-            doubts=UNBOUNDED,
-        )
+        of = {"k": k, "shown": (shown, error), "soft": bool(k < shown)}
+        yield Finding("stiffness differs", of, UNBOUNDED)
 
 
-def _on_stuck(fit: ContactFit) -> Iterator[Remark]:
-    """Yield a remark where a contact that sticks in every line makes up for a stiffness stated too small."""
+def _on_stuck(fit: ContactFit) -> Iterator[Finding]:
+    """Yield a finding where a contact that sticks in every line makes up for a stiffness stated too small."""
     k = fit.values["k"]
     if fit.stuck > _FELT * k:
-        yield Remark(
-            f"the stiffness stated is {k:g} N/m, but the lines imply {number_text(k + fit.stuck, 6)} N/m: a contact of "
-            f"{number_text(fit.stuck, 4)} N/m sticks in every line, or the stiffness stated is too small; F_k, K_z and "
-            "c are the same in both cases"
-        )
+        of = {"k": k, "shown": k + fit.stuck, "stuck": fit.stuck}
+        yield Finding("sticks in every line", of)
 
 
 def _answer(
@@ -365,20 +361,15 @@ def _answer(
     lines: SteppedLines,
     law: Law,
     compared: ContactComparison | None,
-    tested: Sequence[Remark],
+    tested: Sequence[Finding],
 ) -> Answer:
     """Return the answer of a contact: its numbers, and its rows of the balance, without what other modes add to
     them."""
     notes, of = [*tested], lines.of_mode(fit.values.get("R", 0.0))
     if compared is not None and name != compared.supported:
-        words = f"the lines support another contact: {compared.supported}"
-        notes.append(Remark(words, doubts=UNBOUNDED))
+        notes.append(Finding("another contact", {"contact": compared.supported}, UNBOUNDED))
     elif fit.contact == "none":
-        notes.append(
-            Remark(
-                f"these lines show no contact that slips: {compared.words() if compared else ''}"
-            )
-        )
+        notes.append(Finding("no contact", {"why": compared.finding()} if compared else {}))
     X, W = of.X, math.pi * of.X**2 * of.Z.imag
     terms = {FRICTION: fit.sliders.loss(X) / fit.F_k} if fit.F_k else {}
     terms |= {s: term(s).harmonic(of.omega, X, 0.0, 0.0, fit.values["k"]) for s in fit.terms}
@@ -422,31 +413,24 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     return ParameterEstimate(value, fit.errors[symbol], interval)
 
 
-def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[str]:
-    """Yield sentences on the rig that the fit implies."""
+def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[Finding]:
+    """Yield findings on the rig that the fit implies."""
     k, m = fit.values["k"], fit.values["m"]
-    own = {s: with_error(fit.values[s], fit.errors.get(s, 0.0)) for s in fit.values}
+    own = {s: (fit.values[s], fit.errors.get(s, 0.0)) for s in ("m", "k")}
     if fit.F_k:
-        yield (
-            f"F_k and K_z are those of the part of the contact that slips at the amplitudes seen, up to "
-            f"{1e3 * fit.X_range[1]:.4g} mm."
-        )
-    yield (
-        f"The oscillator has m = {own['m']} kg, k = {own['k']} N/m and a natural frequency of "
-        f"{number_text(math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi), 4)} Hz with that part of the contact loose."
-    )
+        yield Finding("part that slips", {"X": float(fit.X_range[1])})
+    hertz = math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi)
+    yield Finding("oscillator of lines", {**own, "hertz": hertz})
     if fit.values.get("k_3"):
-        k_3 = with_error(1e-9 * fit.values["k_3"], 1e-9 * fit.errors["k_3"])
-        yield f"Its stiffness rises with the amplitude by ¾ k_3 X², k_3 = {k_3} N/mm³."
+        yield Finding("hardens", {"k_3": (fit.values["k_3"], fit.errors["k_3"])})
     if R := fit.values.get("R"):
         mass = 1.0 / (abs(R) * float(np.median(lines.omega)) ** 2)
-        like = "of their flexibility" if R > 0.0 else f"as the inertia of {mass:.2g} kg does"
-        yield f"Other modes of the structure move the driven point by R = {1e6 * R:.3g} µm/N, {like}."
+        yield Finding("other modes", {"R": R, "mass": mass if R < 0.0 else 0.0})
 
 
-def _counted(tables: Sequence[SteppedRecord]) -> list[str]:
-    """Return a sentence for each way in which the tables count their phases."""
+def _counted(tables: Sequence[SteppedRecord]) -> list[Finding]:
+    """Return a finding for each way in which the tables count their phases."""
     ways: dict[str, list[str]] = {}
     for table in tables:
         ways.setdefault(table.table.convention, []).append(table.label)
-    return [f"The lines of {listed(of)} show that {way}." for way, of in ways.items()]
+    return [Finding("phases", {"tables": listed(of), "way": way}) for way, of in ways.items()]

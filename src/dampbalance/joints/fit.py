@@ -8,15 +8,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, Complexes
+from ..findings.finding import Finding
 from ..identification.law_comparison import as_good
 from ..law.parallel_sliders import Sliders, secant
-from ..law.terms import symbols_in_words
-from ..project.wording import number_text, part
 from ..signals.one_thread import one_thread
 from .lines import (
     LESS,
@@ -412,27 +411,23 @@ class ContactComparison:
     def __getitem__(self, name: str) -> ContactTrial:
         return next(trial for trial in self.trials if trial.name == name)
 
-    def words(self) -> str:
-        """Return the result in one sentence."""
+    def finding(self) -> Finding:
+        """Return which contact it is, and what does not distinguish it from others."""
         chosen = self[self.supported]
         loss, stiffness = chosen.fit.misfit[:2]
-        said = (
-            f"the lines support {_WORDS[chosen.fit.contact]} with {symbols_in_words(chosen.fit.terms)} "
-            f"(loss {part(loss)}, in-phase {number_text(stiffness, 3)} N/m rms)"
-        )
+        numbers: dict[str, Any] = {
+            "contact": _WORDS[chosen.fit.contact],
+            "terms": tuple(chosen.fit.terms),
+            **{"loss": loss, "stiffness": stiffness, "others": self.indistinguishable},
+        }
         if self.supported in ("one slider", "gradual"):
-            enough = "is enough" if self.supported == "one slider" else "is not enough"
-            said += f"; one slider {enough} (p = {self.p:.2g})"
-        if self.indistinguishable:
-            others = " or ".join(self.indistinguishable)
-            said += f"; held-out levels do not distinguish it from {others}: add levels"
-        for name in self.by_stiffness:
-            other = self[name].fit.misfit
-            said += (
-                f"; {name} has the same loss ({part(other.loss)}), and the in-phase rows distinguish them "
-                f"({number_text(other.in_phase, 3)} N/m)"
-            )
-        return said
+            numbers |= {"p": self.p, "tested": True, "enough": self.supported == "one slider"}
+        others = [(name, self[name].fit.misfit) for name in self.by_stiffness]
+        numbers["stiffer"] = tuple(
+            Finding("other contact", {"contact": name, "loss": of.loss, "stiffness": of.in_phase})
+            for name, of in others
+        )
+        return Finding("contact", numbers)
 
 
 @one_thread

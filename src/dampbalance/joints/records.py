@@ -18,9 +18,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array, Integers, ReadOnly
 from ..project.wording import listed, shortened, visible
 from ..records import readers
+from ..records.channel import ABSOLUTE, Channel
 from ..records.errors import RecordError
 from ..records.headings import (
     WORDS,
@@ -31,8 +32,7 @@ from ..records.headings import (
     words_of,
 )
 from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ABSOLUTE, Measurement
+from ..records.record import Record
 from ..records.table import RawChannel, Table
 from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
 
@@ -126,19 +126,28 @@ class SteppedTable:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SteppedRecord(MeasuredRecord):
+class SteppedRecord(Record):
     """A table of steady responses to a stepped sine as one of the records of `read_records`; it has no samples.
 
     table : its lines.
     """
 
+    channels: Mapping[str, Channel] = field(default_factory=lambda: ReadOnly({}))
     table: SteppedTable = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Require no channels."""
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What its columns hold."""
+        return self.table.quantities
 
     def to_frame(self) -> pd.DataFrame:
         """Return the lines: see `SteppedTable`."""
         return self.table.to_frame()
 
-    def recorded(self) -> Measurement:
+    def corrected(self) -> Record:
         """Raise RecordError: it has no channels."""
         raise RecordError(
             f"{self.name} is a table of steady responses, without samples; use its lines, `table`"
@@ -163,7 +172,7 @@ def read_lines(
         return None
     label = visible(rules.level or label)
     table = read_table(file, rules, label)
-    return SteppedRecord(str(file.path), label, table.quantities, None, rules, table=table)
+    return SteppedRecord(str(file.path), label=label, rules=rules, table=table)
 
 
 def recognised_as_table(path: Path, mapping: MappingLike) -> bool:

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..balance import Rows
+from ..findings.finding import Finding
 from ..identification.answer import (
     CONFIDENCE,
     UNKNOWN,
@@ -34,7 +35,7 @@ from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.terms import FRICTION
 from ..project.options import LoopOptions, Stated, with_options
-from ..project.wording import Remark, listed, number_text, percent, with_error
+from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95
@@ -75,10 +76,7 @@ MOST_SAMPLES = 60_000
 """Samples that a contact is fitted to; of longer records runs of cycles are."""
 
 
-_COMPARED = {
-    "one slider": "One slider predicts held-out cycles at least as well as many do.",
-    "gradual": "Many sliders, a contact that yields gradually, predict held-out cycles better than one does.",
-}
+_COMPARED = {"one slider": "one slider predicts", "gradual": "many sliders predict"}
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
@@ -202,7 +200,8 @@ class LoopOutcome(Identified):
     @property
     def check(self) -> str:
         """Sentences on which contact predicts cycles better, and on the friction coefficient where it is known."""
-        return " ".join([self.rig[0], *(words for words in self.rig if words.startswith("μ"))])
+        codes = (*_COMPARED.values(), "taken for loops", "friction coefficient")
+        return " ".join(self.in_sentences([one for one in self.rig if one.code in codes]))
 
     @property
     def levels(self) -> list[Level]:
@@ -316,7 +315,7 @@ def identify_loops(
             f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
         ),
         rig=[
-            _COMPARED[next(iter(fits))],
+            Finding(_COMPARED[next(iter(fits))]),
             *_rig(first, loops, normal),
         ],
         settings={"confidence": CONFIDENCE},
@@ -328,7 +327,8 @@ def identify_loops(
     )
     found = with_stated_uncertainties(found)
     mu, (low, high) = found.friction_coefficient
-    said = [] if math.isnan(mu) else [f"μ = F_k/N = {with_error(mu, 0.5 * (high - low))} at 95 %."]
+    of = {"mu": (mu, 0.5 * (high - low))}
+    said = [] if math.isnan(mu) else [Finding("friction coefficient", of)]
     return replace(found, rig=[*found.rig, *said])
 
 
@@ -359,7 +359,7 @@ def _answer(
     """
     from scipy.stats import t as student  # slow to import
 
-    notes, design, slider = list[Remark](), fit.design, fits["one slider"]
+    notes, design, slider = list[Finding](), fit.design, fits["one slider"]
     # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers; and
     # one slider what yielding does to c
     others = []
@@ -392,17 +392,11 @@ def _answer(
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
     if not slips(fit):
-        words = (
-            "the contact does not slip in these loops: raise the amplitude to determine F_k and K_z"
-        )
-        notes.append(Remark(words))
+        notes.append(Finding("loops stick"))
     elif not design.with_c:
-        words = "the speed is the same in all of the motion: c is not determined, and F_k includes c times this speed"
-        notes.append(Remark(words))
+        notes.append(Finding("one speed"))
     elif parameters["c"] is UNKNOWN:
-        notes.append(
-            Remark("c cannot be distinguished from a contact that yields gradually: vary the speed")
-        )
+        notes.append(Finding("c hidden"))
     rows = [row_of(loop, fit) for loop in loops]
     a, b, W = (np.concatenate(of) for of in zip(*rows, strict=True))
     names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
@@ -422,75 +416,52 @@ def _answer(
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
-def _warned(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[Remark]:
-    """Yield remarks on the sign of the force, and on what no contact of the model explains."""
+def _warned(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[Finding]:
+    """Yield findings on the sign of the force, and on what no contact of the model explains."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
-        yield Remark(
-            "the sign of the force of {} is reversed, as with the recorded one energy would be gained",
-            listed(flipped),
-        )
+        yield Finding("flipped", {"records": listed(flipped)})
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
     fall, shift = fall_with_speed(fit) if many and slips(fit) else (0.0, 0.0)
     if abs(fall) > _FALLS:
-        yield Remark(
-            "the friction at rest is {} of F_k {} than at speed: F_k holds for one speed only, and c is no damper",
-            percent(abs(fall), 2),
-            "larger" if fall > 0.0 else "smaller",
-            doubts={"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf},
-        )
+        effect = {"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf}
+        yield Finding("falls", {"by": abs(fall), "larger": bool(fall > 0.0)}, effect)
     c, error = fit.values.get("c", 0.0), fit.errors.get("c", 0.0)
     if c < -_CERTAIN * error:
-        words = "the fit has a negative damping, c = {} N s/m: no contact with a damper has loops of this shape"
-        yield Remark(words, with_error(c, error), doubts={"c": math.inf})
+        yield Finding("negative damping", {"c": (c, error)}, {"c": math.inf})
     share = fit.rms / abs(fit.values[FRICTION] or 1.0)
     if share > USELESS:
-        yield Remark(
-            "the contact leaves a residual of {} of F_k, rms: no slider with spring and damper has loops of this "
-            "shape; look at them in the report",
-            percent(share, 2),
-            doubts={"": share},
-        )
+        yield Finding("other shape", {"share": share}, {"": share})
 
 
-def _rig(fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None) -> Iterator[str]:
-    """Yield sentences on fit, loads, spring, gap, and history of the cycles.   normal : mean normal force, N."""
+_SAID_OF = {
+    **{"k": "parallel spring", "n": "rounded knee", "F_S": "friction falls"},
+    **{"c_2": "quadratic damper", "m": "mass between"},
+}
+"""Number of a fit → the finding that states it."""
+
+
+def _rig(
+    fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None
+) -> Iterator[Finding]:
+    """Yield findings on fit, loads, spring, gap, and history of the cycles.   normal : mean normal force, N."""
     of, errors = fit.values, fit.errors
     fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, loops))
     if fitted < total:
-        yield (
-            f"The contact is fitted to {fitted} of the {total} cycles, in {MOST_BLOCKS} runs spread evenly; the "
-            "history is of all."
-        )
+        yield Finding("excerpt", {"fitted": fitted, "all": total, "runs": MOST_BLOCKS})
     if np.ptp([loop.load for loop in loops]) > _DIFFER:
-        forces = [f"{number_text(of[FRICTION] * one.load, 4)} N ({one.name})" for one in loops]
-        measured = loops[0].N is not None
-        at = f"that at N = {number_text(normal[0], 4)} N" if normal and measured else "their mean"
-        yield f"The friction force differs from record to record, {listed(forces)}: F_k is {at}."
-    yield f"A spring of k = {with_error(of['k'], errors['k'])} N/m acts in parallel to the contact."
-    if "n" in of:
-        n = with_error(of["n"], errors["n"])
-        yield f"The knee of the loop is rounded, as in the contact of Bouc and Wen with n = {n}."
-    if "F_S" in of:
-        size, speed = with_error(of["F_S"], errors["F_S"]), with_error(of["v_S"], errors["v_S"])
-        yield (
-            f"The friction falls with the speed: at rest it is larger by F_S = {size} N, which falls off over v_S = "
-            f"{speed} m/s; F_k is that at high speed."
-        )
-    if "c_2" in of:
-        c_2 = with_error(of["c_2"], errors["c_2"])
-        yield f"A quadratic damper of c_2 = {c_2} N s²/m² acts in addition to the viscous one."
-    if "m" in of:
-        yield f"A mass of m = {with_error(of['m'], errors['m'])} kg moves between contact and load cell."
+        forces = tuple((of[FRICTION] * one.load, one.name) for one in loops)
+        N = normal[0] if normal and loops[0].N is not None else 0.0
+        yield Finding("friction of each", {"forces": forces, "N": N})
+    measured = {s: (of[s], errors[s]) for s in of if s in errors}
+    for symbol, code in _SAID_OF.items():
+        if symbol in of:
+            yield Finding(code, measured)
     if "g" in of:
-        gap = with_error(2e3 * of["g"], 2e3 * errors["g"])
-        yield f"The fixture has a backlash: a dead band of {gap} mm in the displacement."
+        yield Finding("backlash", {"gap": (2.0 * of["g"], 2.0 * errors["g"])})
     for loop in loops:
         per_cycle = loop.lost, loop.by_cycle(loop.v), loop.amplitudes
         lost, b, X = (float(np.median(of)) for of in per_cycle)
-        yield (
-            f"{loop.name}: a cycle of X = {number_text(1e3 * X, 4)} mm loses {number_text(lost, 4)} J, as a viscous "
-            f"damper of {number_text(lost / b, 4)} N s/m would."
-        )
+        yield Finding("loss of a loop", {"record": loop.name, "X": X, "lost": lost, "c": lost / b})
     for loop in loops:
         W, cycles = loop.lost, np.arange(loop.cycles)
         level = np.abs(loop.amplitudes / np.median(loop.amplitudes) - 1.0) < _SAME_LEVEL
@@ -500,10 +471,7 @@ def _rig(fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None
         scatter = 1.4826 * float(np.median(np.abs(half - np.median(half)))) or float(np.ptp(half))
         off = np.abs(W - np.median(half)) > _SETTLED * scatter
         start = int(np.flatnonzero(off[: loop.cycles // 2]).max(initial=-1)) + 1
-        slope, covariance = np.polyfit(cycles, 100.0 * W / W.mean(), 1, cov=True)
+        slope, covariance = np.polyfit(cycles, W / W.mean(), 1, cov=True)
         error = math.sqrt(covariance[0, 0])
-        words = f"{loop.name}: the loss per cycle is steady from cycle {start + 2} on"
-        if abs(slope[0]) > _TREND * error:
-            trend = with_error(float(slope[0]), error)
-            words += f", with a trend of {trend} % per cycle over all cycles"
-        yield words + "."
+        trend = (float(slope[0]), error) if abs(slope[0]) > _TREND * error else ()
+        yield Finding("steady loss", {"record": loop.name, "cycle": start + 2, "trend": trend})

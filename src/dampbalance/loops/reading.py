@@ -8,18 +8,19 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..findings.finding import Finding
 from ..identification.loading import correction_of
-from ..project.wording import Remark, listed, visible
-from ..records.measured import MeasuredRecord
-from ..records.measurement import ACCOMPANYING
+from ..project.wording import listed, visible
+from ..records.channel import ACCOMPANYING
+from ..records.record import Record
 from .cycles import Loop
 
 _CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
 
 
 def read_loops(
-    records: Sequence[MeasuredRecord], series: float | None
-) -> tuple[tuple[Loop, ...], tuple[float, float] | None, list[Remark]]:
+    records: Sequence[Record], series: float | None
+) -> tuple[tuple[Loop, ...], tuple[float, float] | None, list[Finding]]:
     """Return the loops of records, the mean normal force with its standard uncertainty, N, where all of them have one,
     and what is odd about the records.   series : stiffness of the fixture, N/m."""
     loops, cuts = zip(*[_loop(record, series) for record in records], strict=True)
@@ -34,7 +35,7 @@ def read_loops(
 
 
 def _loaded(
-    loops: Sequence[Loop], records: Sequence[MeasuredRecord]
+    loops: Sequence[Loop], records: Sequence[Record]
 ) -> tuple[tuple[Loop, ...], tuple[float, float]]:
     """Return the loops with their loads, as their normal forces make them, and the mean normal force with its standard
     uncertainty: of the scatter between cycles of a record, and of the gain."""
@@ -54,10 +55,10 @@ def _loaded(
     return tuple(loaded), (N, error)
 
 
-def _loop(record: MeasuredRecord, series: float | None) -> tuple[Loop, list[Remark]]:
-    """Return the loop of a record, in the time in which all its channels are recorded, and a remark on time that is cut
-    off.   series : stiffness of the fixture, N/m."""
-    channels = record.whole()
+def _loop(record: Record, series: float | None) -> tuple[Loop, list[Finding]]:
+    """Return the loop of a record, in the time in which all its channels are recorded, and a finding on time that is
+    cut off.   series : stiffness of the fixture, N/m."""
+    channels = record.corrected()
     moving = [q for q in ("displacement", "velocity") if q in record.quantities]
     if "force" not in record.quantities or not moving:
         raise ValueError(
@@ -73,10 +74,10 @@ def _loop(record: MeasuredRecord, series: float | None) -> tuple[Loop, list[Rema
             f"{record.name}: {listed([of.name for of in used])} are not recorded at the same time; check their times "
             "in the mapping"
         )
-    lost, remarks = max(float(np.ptp(of.t)) for of in used) - float(end - begin), list[Remark]()
+    lost, cut = max(float(np.ptp(of.t)) for of in used) - float(end - begin), list[Finding]()
     if lost > _CUT * (end - begin):
-        words = "{:.4g} s are left out, in which not all of {} are recorded"
-        remarks.append(Remark(words, lost, listed([visible(of.name) for of in used])))
+        names = listed([visible(of.name) for of in used])
+        cut.append(Finding("cut off", {"lost": lost, "channels": names}))
     t, x = motion.t[own], motion.values[own]
     f = np.interp(t, force.t, force.values)
     if moving[0] == "velocity":
@@ -90,4 +91,4 @@ def _loop(record: MeasuredRecord, series: float | None) -> tuple[Loop, list[Rema
     gaps = [np.interp(t, of.t, of.missing) > 0.0 for of in used if of.missing is not None]
     loop = Loop.of(record.name, t, x, f, np.any(gaps, axis=0) if gaps else None)
     pressed = None if N is None else np.abs(np.interp(t, N.t, N.values))
-    return replace(loop, N=pressed), remarks
+    return replace(loop, N=pressed), cut

@@ -83,7 +83,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     if isinstance(value, str):
-        return str(value)  # a remark becomes its sentence
+        return str(value)  # a term becomes its symbol
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -7,7 +7,6 @@ import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
-from string import Formatter
 from typing import Any
 
 MINUS, TIMES, NO_NUMBER = "−", "·", "–"
@@ -87,37 +86,21 @@ def signed(value: float, decimals: int = 0) -> str:
     return minus(text) if float(text) else text[1:]
 
 
-class Shown(float):
-    """A number that a sentence shows in its own form, independent of the template."""
-
-    text: str
-
-    def __new__(cls, value: float, text: str = "") -> Shown:
-        """Return the number, and the text that stands for it."""
-        shown = super().__new__(cls, value)
-        shown.text = text
-        return shown
-
-    def __format__(self, spec: str) -> str:
-        """Return the text."""
-        return self.text
-
-
-def factor(value: float) -> Shown:
+def factor(value: float) -> str:
     """Return a factor for a sentence: 3.2, 450, more than 1000."""
     if value > _MANY_TIMES:
-        return Shown(value, f"more than {_MANY_TIMES}")
-    return Shown(value, f"{value:.2g}" if value < 99.5 else f"{value:.0f}")
+        return f"more than {_MANY_TIMES}"
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
-def part(share: float) -> Shown:
+def part(share: float) -> str:
     """Return a share as a percentage of two digits for a sentence, 4.7 % or 1 %."""
-    return Shown(share, percent(share, 2).replace(".0 %", " %"))
+    return percent(share, 2).replace(".0 %", " %")
 
 
-def larger_by(share: float) -> Shown:
+def larger_by(share: float) -> str:
     """Return by how much something is larger, for a sentence: 4.7 %; from twice as large on, "a factor of 3.2"."""
-    return Shown(share, f"a factor of {factor(1.0 + share)}") if share >= 1.0 else part(share)
+    return f"a factor of {factor(1.0 + share)}" if share >= 1.0 else part(share)
 
 
 def change_text(value: float, by: float, unit: str = "") -> str:
@@ -132,7 +115,7 @@ def change_text(value: float, by: float, unit: str = "") -> str:
     if -1.0 <= share < 1.0:
         return signed_percent(share, digits=2).replace(".0 %", " %")
     if 0.0 < share <= _MANY_TIMES or math.isinf(by):
-        return f"{larger_by(share)}"
+        return larger_by(share)
     return with_unit(f"{'+' * (by > 0.0)}{number_text(by, 2, -3, 4)}", unit)
 
 
@@ -162,75 +145,6 @@ def rounded(value: float, spread: float) -> str:
 def with_error(value: float, error: float) -> str:
     """Return a number with its error, 2.4197 ± 0.0003"""
     return f"{rounded(value, error)} ± {rounded(error, error)}"
-
-
-class _Sentence(Formatter):
-    """Templates of sentences: their numbers as people write them."""
-
-    def format_field(self, value: Any, format_spec: str) -> str:
-        plain = isinstance(value, float | int) and not isinstance(value, Shown)
-        return (written if plain else format)(value, format_spec)
-
-
-class Remark(str):
-    """A sentence that knows its numbers, and the record that it is about.
-
-    Sentences of one template with the same words in it differ in numbers only: `merged` makes one of them.
-
-    template : the sentence with a place for each number and each word, "{} drifts by {:.2g} %"; without numbers and
-    words, the sentence itself.   of : numbers and words.   source : name of the record; empty where the sentence is
-    about no single one.   words : the sentence without that name.
-    doubts : symbol → relative change of that number that the remark may mean, infinite where it is unknown; the
-    symbol "" stands for every number.   spares : names of the answers that it does not concern.
-    """
-
-    template: str
-    of: tuple[Any, ...]
-    source: str
-    words: str
-    doubts: Mapping[str, float]
-    spares: Sequence[str]
-
-    def __new__(
-        cls,
-        template: str,
-        *of: Any,
-        source: str = "",
-        doubts: Mapping[str, float] | None = None,
-        spares: Sequence[str] = (),
-    ) -> Remark:
-        """Return the sentence, after the name of the record where it is about one."""
-        words = _Sentence().format(template, *of) if of else template
-        remark = super().__new__(cls, f"{source}: {words}" if source else words)
-        remark.template, remark.of, remark.source, remark.words = template, of, source, words
-        remark.doubts, remark.spares = doubts or {}, spares
-        return remark
-
-    def about(self, source: str, *spares: str) -> Remark:
-        """Return the same sentence about a record.   spares : names of further answers that it does not concern."""
-        spared = (*self.spares, *spares)
-        return Remark(self.template, *self.of, source=source, doubts=self.doubts, spares=spared)
-
-    @property
-    def kind(self) -> tuple[str, ...]:
-        """Template and words of a remark, without numbers and record: equal for remarks that `merged` may join."""
-        return self.template, *(value for value in self.of if isinstance(value, str))
-
-
-def merged(remarks: Sequence[Remark]) -> str:
-    """Return the words of remarks of one kind, each number that differs among them as its range, "2 to 7"."""
-    ranges = map(_Range, zip(*(remark.of for remark in remarks), strict=True))
-    return Remark(remarks[0].template, *ranges).words
-
-
-class _Range(tuple[Any, ...]):
-    """The least and the greatest of numbers in a sentence; one where all are shown alike."""
-
-    __slots__ = ()
-
-    def __format__(self, spec: str) -> str:
-        low, high = (_Sentence().format_field(end, spec) for end in (min(self), max(self)))
-        return low if low == high else f"{low} to {high}"
 
 
 def listed(words: Sequence[str], last: str = "and") -> str:

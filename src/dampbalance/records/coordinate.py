@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..model import named_with_unit
-from ..project.wording import Remark
 
 # a unit behind a number, within brackets, or behind "in"; not one that is exchanged already
 _UNIT_IN_TEXT = re.compile(
@@ -65,6 +64,21 @@ class Coordinate:
             return unit
         return _TOKEN.sub(_rotating, unit)
 
+    def symbol(self, symbol: str) -> str:
+        """Return the symbol of a number: T_k for F_k, J for m."""
+        if self == TRANSLATION:
+            return symbol
+        return "J" if symbol == "m" else f"T{symbol[1:]}" if symbol.startswith("F_k") else symbol
+
+    def noun(self, noun: str) -> str:
+        """Return a noun, or the name of a quantity: angle for displacement, base_angle for base_displacement; anything
+        else as it is."""
+        if self == TRANSLATION:
+            return noun
+        if "_" not in noun:
+            return _WORDS.get(noun, noun)
+        return "_".join(_WORDS.get(one, one) for one in noun.split("_")).replace(" ", "_")
+
     def key(self, name: str) -> str:
         """Return the name of a column or key: T_k_N_m for F_k_N, angular_velocity_rad_per_s for velocity_m_per_s."""
         if self == TRANSLATION:
@@ -102,18 +116,6 @@ class Coordinate:
             for x, theta in _DRAWN.items():
                 text = text.replace(x, theta)
         return self.text(text, names)
-
-    def remark(self, remark: Remark, names: Iterable[str] = ()) -> Remark:
-        """Return a remark in the words of the coordinate; it keeps its numbers, and what it doubts."""
-        if self == TRANSLATION:
-            return remark
-        parts = [self.text(of, names) if isinstance(of, str) else of for of in remark.of]
-        template, words = (self.text(of, names) for of in (remark.template, remark.words))
-        if Remark(template, *parts).words != words:  # a unit shows only behind its number
-            template, parts = words, []
-        return Remark(
-            template, *parts, source=remark.source, doubts=remark.doubts, spares=remark.spares
-        )
 
     def document(self, value: Any, names: Collection[str] = ()) -> Any:
         """Return plain data with the keys and the sentences of the coordinate."""

@@ -10,13 +10,19 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
+from ..findings.finding import Finding
+
 
 class RecordError(ValueError):
     """A record or its mapping that cannot be used; the message names the file, what is wrong and the remedy."""
 
 
 class RecordWarning(UserWarning):
-    """A record that can be used, but looks odd."""
+    """A record that can be used, but looks odd.   finding : what is odd, where that has numbers."""
+
+    def __init__(self, words: str, finding: Finding | None = None) -> None:
+        super().__init__(words)
+        self.finding = finding
 
 
 def library(name: str, purpose: str) -> Any:

@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 import unicodedata
 
+from .channel import ABSOLUTE, EXCITATIONS
 from .coordinate import TRANSLATION, Coordinate
-from .measurement import ABSOLUTE, EXCITATIONS
 from .table import RawChannel
 from .units import DIMENSIONS, VOLTAGE, find_motion, find_other, find_unit
 

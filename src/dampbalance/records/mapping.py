@@ -21,9 +21,9 @@ from typing import Any
 
 from ..arguments import path
 from ..arrays import ReadOnly
+from .channel import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError
-from .measurement import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .units import TABLE_DIMENSIONS, UnitError, table_factor, unit_for
 
 SCHEMA = Path(__file__).parents[1] / "project/schemas/mapping.schema.yaml"

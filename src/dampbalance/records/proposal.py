@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..project.wording import shortened
+from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES
 from .errors import RecordError
 from .headings import (
     WORDS,
@@ -27,7 +28,6 @@ from .headings import (
     words_of,
 )
 from .mapping import RecordMapping
-from .measurement import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES
 from .roles import LISTED, Roles, equal_step
 from .table import Table
 from .units import DIMENSIONS, find_motion, find_other, find_unit

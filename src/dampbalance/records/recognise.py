@@ -1,4 +1,4 @@
-"""The channels of a measurement in SI units from an open table: the one place where a record is checked.
+"""The channels of a record in SI units from an open table: the one place where a record is checked.
 
 Mapping, headings, units and samples say which channel holds what; each must have its unit and its times, and samples
 that are finite, within bounds, in equal steps, not constant, and no integers that ran over. Times that were rounded to
@@ -17,23 +17,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..project.wording import Remark, shortened
+from ..findings.finding import Finding
+from ..findings.words import sentence
+from ..project.wording import shortened
 from . import errors
+from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
 from .mapping import ChannelRule, RecordMapping, Which
-from .measurement import (
-    EXCITATIONS,
-    QUANTITIES,
-    RESPONSES,
-    Channel,
-    Correction,
-    Measurement,
-    sample_times,
-)
 from .proposal import Proposal, proposed, unclear
+from .record import Record
 from .roles import LISTED, Roles, first_of
 from .table import RawChannel, Table
 from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
@@ -77,10 +72,8 @@ class Pick:
     coordinate: Coordinate = TRANSLATION
 
 
-def recognise(
-    table: Table, mapping: RecordMapping, *others: tuple[Table, RecordMapping]
-) -> Measurement:
-    """Return the measurement in an open table, in SI units.
+def recognise(table: Table, mapping: RecordMapping, *others: tuple[Table, RecordMapping]) -> Record:
+    """Return the record in an open table, in SI units.
 
     mapping : what the table does not say.   others : more tables that hold channels of the record, with their parts of
     the mapping.
@@ -95,7 +88,7 @@ def recognise(
     for file, of in ((table, mapping), *others):
         channels += _channels(file, picks_of(file, of, entire=not others))
     channels.sort(key=lambda channel: order.index(channel.quantity))
-    return Measurement.of(str(table.path), channels)
+    return Record.of(str(table.path), channels)
 
 
 def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
@@ -299,7 +292,7 @@ def _checked(
             t, recorded = np.interp(np.arange(size), number, t[rows]), signal[rows]
             signal = np.full(size, np.nan)
             signal[number] = recorded
-        t = _in_equal_steps(t, f"{file.path}: {time}")
+        t = _in_equal_steps(t, file.path, time)
     if pick.quantity in RESPONSES:  # a base may be at rest, a dead weight presses evenly
         _require_moving(f"{file.path}: {this}", pick, values[present], unit)
     missing = np.isnan(signal)
@@ -461,25 +454,22 @@ def _warn_of(file: Table, words: str, rows: Integers, count: int = 0) -> None:
     if count:
         places = [file.place(int(i)) for i in rows[:_PLACES]] + ["…"] * (rows.size > _PLACES)
         said = words.format(f"{count:,}", "s are" if count > 1 else " is", ", ".join(places))
-        warnings.warn(RecordWarning(Remark(f"{file.path}: {said}")), stacklevel=2)
+        warnings.warn(RecordWarning(f"{file.path}: {said}"), stacklevel=2)
 
 
-def _in_equal_steps(t: Array, where: str) -> Array:
+def _in_equal_steps(t: Array, path: object, channel: str) -> Array:
     """Return the times of a channel: the line through them where they are rounded, with a warning that states its
     bound; any other times as they are.
 
-    t : s.   where : file and channel, for the warning.
+    t : s.   path, channel : for the warning.
     """
     if (rounded := _rounded(t)) is None:
         return t
     line, q, step, bound = rounded
-    said = Remark(
-        "{} is rounded to {:.3g} s at steps of {:.3g} s: a straight line through it gives {:.9g} samples a second, to "
-        "within {:.3g} ppm; give sample_rate_hz if known",
-        *(where, q, step, 1.0 / step, 1e6 * bound),
-        doubts={"": bound},
-    )
-    warnings.warn(RecordWarning(said), stacklevel=2)
+    of = {"where": channel, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
+    said = Finding("rounded times", of, {"": bound})
+    words = f"{path}: {sentence(said, TRANSLATION)}"
+    warnings.warn(RecordWarning(words, said), stacklevel=2)
     return line
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..project.wording import shortened
+from .channel import ABSOLUTE, EXCITATIONS, RESPONSES, require_one_coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
     WORDS,
@@ -26,7 +27,6 @@ from .headings import (
     words_of,
 )
 from .mapping import RecordMapping
-from .measurement import ABSOLUTE, EXCITATIONS, RESPONSES, require_one_coordinate
 from .table import Table
 from .units import DIMENSIONS
 

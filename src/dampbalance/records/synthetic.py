@@ -1,4 +1,4 @@
-"""Measurements by simulation: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
+"""Records by simulation: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
 
 They serve to try an estimator on records whose truth is known. The white noise of the channels is independent.
 """
@@ -17,17 +17,9 @@ from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
 from ..motion.sliders import SlidersOrbit
 from ..motion.transient import transient
-from .coordinate import TRANSLATION, Coordinate
-from .measurement import (
-    ABSOLUTE,
-    EXCITATIONS,
-    RELATIVE,
-    RESPONSES,
-    ROTATING,
-    Channel,
-    Measurement,
-    sample_times,
-)
+from .channel import ABSOLUTE, EXCITATIONS, RELATIVE, RESPONSES, ROTATING, Channel, sample_times
+from .coordinate import ROTATION, TRANSLATION, Coordinate
+from .record import Record
 
 if TYPE_CHECKING:
     from ..motion.law_steady import Response
@@ -43,7 +35,7 @@ def measured_orbit(
     channels: Sequence[str] | str = ("base_displacement", "displacement"),
     start: float = 0.0,
     source: str = "",
-) -> Measurement:
+) -> Record:
     """Return the steady response sampled at `rate_hz` for `cycles` periods of the drive, from the time `start` (s) on.
 
     noise : standard deviation of the white noise of each channel, as a part of the rms of its clean signal (0.01: 1 %);
@@ -82,8 +74,8 @@ def measured_orbit(
             rms = math.sqrt(float(np.mean(values**2)))
             values = values + part * rms * random.standard_normal(count)
         measured.append(Channel(quantity, t, values))
-    unit = _coordinate(measured).unit("m")
-    return Measurement.of(source or f"simulated, Y = {motion.Y:g} {unit}", measured)
+    unit = _coordinate(channels).unit("m")
+    return Record.of(source or f"simulated, Y = {motion.Y:g} {unit}", measured)
 
 
 def _clean(
@@ -114,7 +106,7 @@ def measured_ring_down(
     noise: float = 0.0,
     seed: int | np.random.Generator = 0,
     channels: Sequence[str] | str = ("displacement",),
-) -> Measurement:
+) -> Record:
     """Return a free decay from the displacement x (m), to which the mass was pulled, with velocity v (m/s), for
     `duration` s.
 
@@ -159,14 +151,13 @@ def measured_ring_down(
         values[free] = signals[own]
         spread = noise * float(np.abs(values).max())
         measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
-    unit = _coordinate(measured).unit
+    unit = _coordinate(channels).unit
     source = f"simulated, x = {x:g} {unit('m')}, v = {v:g} {unit('m/s')}"
-    return Measurement.of(source, measured)
+    return Record.of(source, measured)
 
 
-def _coordinate(channels: Sequence[Channel]) -> Coordinate:
-    """Return the coordinate of channels that are to become a measurement, which refuses to have none."""
-    return channels[0].coordinate if channels else TRANSLATION
+def _coordinate(quantities: Sequence[str]) -> Coordinate:
+    return ROTATION if {*quantities} & ROTATING.keys() else TRANSLATION
 
 
 def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:

@@ -4,20 +4,18 @@ and the samples as recorded. A reader of a format is a function from a path to a
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import floats
-from ..arrays import Array
+from ..arrays import Array, ReadOnly
 from ..project.wording import shortened
 from .errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError, RecordWarning
 from .units import split_label
@@ -85,9 +83,12 @@ class Table:
             warnings.warn(RecordWarning(self.oddity), stacklevel=2)
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
-            loaded = self.load(missing) if missing else []
-            arrays = [np.asarray(values, dtype=np.float64) for values in loaded]
-        self.loaded.update(zip(missing, arrays, strict=True))
+            for i, values in zip(missing, self.load(missing) if missing else (), strict=True):
+                try:
+                    self.loaded[i] = floats(values)
+                except ValueError as error:
+                    column = f"{self.path}: column {shortened(self.channels[i].label)}"
+                    raise RecordError(f"{column} holds {error}") from None
         return {i: self.loaded[i] for i in wanted}
 
 
@@ -112,49 +113,56 @@ def tail(path: Path, rows: str, first: int, last: int) -> str:
     return f"{path}: text after the last row of numbers, {where}, is left aside"
 
 
-def signals_in(
-    path: Path, arrays: Iterable[tuple[str, tuple[int, ...], dict[str, object], str | None]]
-) -> tuple[list[RawChannel], list[Callable[[Any], Any]]]:
-    """Return the channels of arrays (name, shape, attributes, unit), and what gives each out of all arrays by their
-    names: an array itself, or its rows or columns if it has two. A signal runs along the longer side."""
+class Unread(NamedTuple):
+    """An array in a file, of which parts are read when they are asked for."""
+
+    shape: tuple[int, ...]
+    read: Callable[[Any], Any]
+
+    def __getitem__(self, part: Any) -> Any:
+        return self.read(part)
+
+
+class Signal(NamedTuple):
+    """Samples under a label: an array, or an `Unread` one.
+
+    stated : what is known of them, whatever it is called; unit, rate, step and first time are taken from it.
+    folder : that they stand in, up to its last slash.   stamps : whether they are points in time, now in s.
+    """
+
+    label: str
+    samples: np.ndarray[Any, Any] | Unread
+    stated: Mapping[str, object] = ReadOnly({})
+    folder: str = ""
+    stamps: bool = False
+
+
+def table_of(path: Path, signals: Iterable[Signal]) -> Table:
+    """Return the table of signals. An array of two dimensions is as many channels, y[1], y[2], …, along its longer
+    side."""
     channels: list[RawChannel] = []
-    signals: list[Callable[[Any], Any]] = []
-    for name, shape, attributes, unit in arrays:
-        if math.prod(shape) < 2 or len(shape) > 2:
-            continue
+    parts: list[tuple[Any, Any]] = []
+    for label, samples, stated, folder, stamps in signals:
+        shape = samples.shape
         several = len(shape) == 2 and min(shape) > 1
-        count = min(shape) if several else 1
-        folder, slash, last = name.rpartition("/")
-        for i in range(count):
-            label = f"{last}[{i + 1}]" if several else last
-            channels.append(described(path, label, max(shape), attributes, unit, folder + slash))
-            at = (i,) if len(shape) == 2 and shape[0] < shape[1] else (..., *[i] * (len(shape) - 1))
-            signals.append(partial(_part, name, at))
-    return channels, signals
-
-
-def _part(name: str, at: Any, held: Any) -> Any:
-    return held[name][at]
+        for i in range(min(shape) if several else 1):
+            name = f"{label}[{i + 1}]" if several else label
+            raw = described(path, name, max(shape), stated, folder)
+            channels.append(replace(raw, unit="s", stamps=True) if stamps else raw)
+            wide = len(shape) == 2 and shape[0] < shape[1]
+            parts.append((samples, (i,) if wide else (..., *[i] * (len(shape) - 1))))
+    return Table(path, channels, lambda wanted: [parts[i][0][parts[i][1]] for i in wanted])
 
 
 def described(
-    path: Path,
-    label: str,
-    size: int,
-    attributes: dict[str, object],
-    unit: str | None = None,
-    folder: str = "",
+    path: Path, label: str, size: int, stated: Mapping[str, object], folder: str = ""
 ) -> RawChannel:
-    """Return the channel of `size` samples with that label, its timing among the attributes, whatever they are called;
-    with a fault where a rate, a step or a first time is no number in its range.
-
-    unit : instead of the label's.   folder : that it stands in, up to its last slash.
-    """
+    """Return the channel of `size` samples with that label: its unit and timing as stated, or the unit of the label;
+    with a fault where a rate, a step or a first time is no number in its range."""
     name, own = split_label(label)
-    name, label = f"{folder}{name}", f"{folder}{label}"
-    values = {str(key).lower(): value for key, value in attributes.items()}
-    channel, remedy = f"channel {shortened(label)}", "give sample_rate_hz in a mapping"
-    raw = RawChannel(name, unit or own, size, label=label)
+    values = {str(key).lower(): value for key, value in stated.items()}
+    raw = RawChannel(f"{folder}{name}", unit_among(values) or own, size, label=f"{folder}{label}")
+    channel = f"channel {shortened(raw.label)}"
 
     def number(key: str) -> float:
         value = np.asarray(values[key])
@@ -175,13 +183,13 @@ def described(
         if not low <= value <= high:
             raise ValueError(f"{key} of {channel} is {value:g}, not within {low:g} to {high:g}")
     except ValueError as error:
-        return replace(raw, fault=f"{path}: {error}; {remedy}")
+        return replace(raw, fault=f"{path}: {error}; give sample_rate_hz in a mapping")
     return replace(raw, rate_hz=1.0 / value if key in STEP_NAMES else value, start=start)
 
 
-def unit_among(attributes: dict[str, object]) -> str | None:
-    """Return the unit among attributes of a channel, or None."""
-    units = (value for key, value in attributes.items() if str(key).lower() in UNIT_NAMES)
+def unit_among(stated: Mapping[str, object]) -> str | None:
+    """Return the unit among what is stated of a channel, or None."""
+    units = (of for key, of in stated.items() if key.lower() in UNIT_NAMES and of is not None)
     texts = (u.decode("utf-8", "replace") if isinstance(u, bytes) else str(u) for u in units)
     return next(filter(None, map(str.strip, texts)), None)
 
@@ -207,46 +215,21 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
     if isinstance(signals, Table):
         return replace(signals, path=path)
     stated: dict[str, Any] = {}
-    several: list[tuple[str, Any]] = []
+    several: list[tuple[str, Any, bool]] = []
     for label, values in _columns(signals).items():
         listed = isinstance(values, list | tuple)
         if not listed and label.lower() in TIMING_NAMES and np.size(values) == 1:
             stated[label] = np.asarray(values).reshape(-1)[0]
-        elif not listed and not np.ndim(values):
+            continue
+        samples, stamps = _samples(values)
+        if not listed and not samples.ndim:
             remedy = "a signal is an array of its samples"
             raise RecordError(f"{path}: {shortened(label)} is a single value; {remedy}")
-        else:
-            several.append((label, values))
-    channels, arrays = [], []
-    for label, array, stamps in (part for one in several for part in _signals_of(path, *one)):
-        time = RawChannel(label, "s", array.size, label=label, stamps=True)
-        channels.append(time if stamps else described(path, label, array.size, stated))
-        arrays.append(array)
-
-    def read(i: int) -> Array:
-        try:
-            return floats(arrays[i]).copy()  # the caller's may change
-        except ValueError as error:
-            column = f"{path}: column {shortened(channels[i].label)}"
-            raise RecordError(f"{column} holds {error}") from None
-
-    return Table(path, channels, lambda wanted: [read(i) for i in wanted])
-
-
-def _signals_of(path: Path, label: str, values: Any) -> Iterator[tuple[str, Any, bool]]:
-    """Yield the signals of an array: name, samples, and whether they are points in time."""
-    array, stamps = _samples(values)
-    if array.ndim == 2 and min(array.shape) == 1:
-        array = array.reshape(-1)
-    if array.ndim == 1:
-        yield label, array, stamps
-        return
-    if array.ndim != 2:
-        remedy = "give each signal its own name"
-        raise RecordError(f"{path}: {shortened(label)} has the shape {array.shape}; {remedy}")
-    rows = array.T if array.shape[0] > array.shape[1] else array
-    for i, row in enumerate(rows, start=1):
-        yield f"{label}[{i}]", row, stamps
+        if samples.ndim > 2:
+            remedy = "give each signal its own name"
+            raise RecordError(f"{path}: {shortened(label)} has the shape {samples.shape}; {remedy}")
+        several.append((label, samples, stamps))
+    return table_of(path, [Signal(of, array, stated, "", stamps) for of, array, stamps in several])
 
 
 def is_table(record: object) -> bool:
@@ -293,7 +276,10 @@ def _samples(values: Any) -> tuple[Any, bool]:
         values = np.array(values, dtype="datetime64[ns]")
         values[masked] = np.datetime64("NaT")
     array = values if isinstance(values, np.ma.MaskedArray) else np.asarray(values)
-    if array.dtype.kind not in "mM":
-        return array, False
-    origin = array[:1] if array.dtype.kind == "M" else np.zeros(1, array.dtype)
-    return (array - origin) / np.timedelta64(1, "s"), True
+    return (in_seconds(array), True) if array.dtype.kind in "mM" else (array, False)
+
+
+def in_seconds(times: Any) -> Any:
+    """Return points in time in s from the first on, or spans in s."""
+    origin = times[:1] if times.dtype.kind == "M" else np.zeros(1, times.dtype)
+    return (times - origin) / np.timedelta64(1, "s")

@@ -15,8 +15,8 @@ from functools import cache
 
 from ..model import named_with_unit
 from ..project.wording import shortened
+from .channel import ABSOLUTE, QUANTITIES, ROTATING
 from .coordinate import ROTATION, TRANSLATION, Coordinate
-from .measurement import ABSOLUTE, QUANTITIES, ROTATING
 
 _LENGTHS = {  # m, exactly
     **{"m": 1.0, "cm": 1e-2, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9},

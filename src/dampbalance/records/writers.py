@@ -1,4 +1,4 @@
-"""Writers of measurements as delimited text or for MATLAB: complete or not at all, the same bytes every time.
+"""Writers of records as delimited text or for MATLAB: complete or not at all, the same bytes every time.
 
 Values are written in SI units, as 64-bit floats, with names that `read` recognises (displacement_m), next to the times.
 pandas writes other formats from such a text: `pandas.read_csv("run.csv").to_parquet("run.parquet")`.
@@ -16,22 +16,23 @@ from ..arguments import instance
 from ..arrays import Array
 from ..project.files import replacing
 from ..project.wording import shortened
+from .channel import QUANTITIES
 from .errors import RecordError
-from .measurement import QUANTITIES, Measurement
 from .readers.formats import FORMATS
+from .record import Record
 from .units import column_name
 
 _MATLAB_TEXT = 116  # bytes of description at the start of a MATLAB file
 
 
-def write(path: str | Path, measurement: Measurement) -> Path:
-    """Write a measurement as text (.csv, with commas; .tsv, .txt, .dat, .asc, with tabs) or for MATLAB 5 (.mat), as the
+def write(path: str | Path, record: Record) -> Path:
+    """Write a record as text (.csv, with commas; .tsv, .txt, .dat, .asc, with tabs) or for MATLAB 5 (.mat), as the
     suffix says; returns the file.
 
-    Raises RecordError when the suffix or the measurement cannot be written, before anything is.
+    Raises RecordError when the suffix or the record cannot be written, before anything is.
     """
     path = arguments.path("path", path, "the path of a file")
-    instance("measurement", measurement, Measurement)
+    instance("record", record, Record)
     suffix = path.suffix.lower()
     written = (*FORMATS["text"].suffixes, *FORMATS["matlab"].suffixes)
     if suffix not in written:
@@ -39,12 +40,12 @@ def write(path: str | Path, measurement: Measurement) -> Path:
             f"{path}: records are not written as {shortened(path.suffix)}, but as {', '.join(written)}; pandas or the "
             "format's own library writes others from one of these"
         )
-    if corrected := [q for q in measurement if measurement[q].correction]:
+    if corrected := [q for q in record if record[q].correction]:
         raise RecordError(
             f"{path}: cannot store the correction of the {corrected[0]} for gain, delay or filters; keep the "
             "original with its mapping"
         )
-    columns = _columns_of(measurement)
+    columns = _columns_of(record)
     with replacing(path) as temporary:
         if suffix == ".mat":
             _write_matlab(temporary, columns)
@@ -56,9 +57,9 @@ def write(path: str | Path, measurement: Measurement) -> Path:
     return path
 
 
-def _columns_of(measurement: Measurement) -> dict[str, Array]:
+def _columns_of(record: Record) -> dict[str, Array]:
     """Return the signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
-    channels = [measurement[q] for q in QUANTITIES if q in measurement]
+    channels = [record[q] for q in QUANTITIES if q in record]
     shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
     columns: dict[str, Array] = {}
     for c in channels:

@@ -33,7 +33,7 @@ from ..solver import least_squares
 from .clean import CYCLES_TO_READ, ReadAt, of_record
 from .fixed_step import SCHEMES, simulate
 from .read_out import ReadOut
-from .record import Record
+from .record import SimulatedRecord
 from .sampled import read_cycle
 
 if TYPE_CHECKING:
@@ -97,7 +97,9 @@ def effective_damping(case: Case, omega: float) -> float:
     return case.oscillator.m * printed_coefficients(case)["c_over_m"] + added
 
 
-def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_READ) -> list[Record]:
+def simulate_levels(
+    case: Case, frequency: str, keep_cycles: int = CYCLES_TO_READ
+) -> list[SimulatedRecord]:
     """Return the last cycles of the simulated response to each level."""
     return [
         simulate(
@@ -114,7 +116,9 @@ def simulate_levels(case: Case, frequency: str, keep_cycles: int = CYCLES_TO_REA
     ]
 
 
-def features_of(records: Sequence[Record], case: Case, frequency: str, reading: ReadAt) -> Features:
+def features_of(
+    records: Sequence[SimulatedRecord], case: Case, frequency: str, reading: ReadAt
+) -> Features:
     """Read features off the records of all levels, in full digits; those of an unreadable record state why."""
     omega, k = case.omega(frequency), case.oscillator.k
     features = []
@@ -127,7 +131,7 @@ def features_of(records: Sequence[Record], case: Case, frequency: str, reading: 
     return stack(features)
 
 
-def read_levels(records: Sequence[Record], case: Case, frequency: str) -> ReadFeatures:
+def read_levels(records: Sequence[SimulatedRecord], case: Case, frequency: str) -> ReadFeatures:
     """Read features of all levels by the rules `tabulated` and `two_point`; a, b and W at the samples."""
     sampled = features_of(records, case, frequency, "sample")
     integrals = {name: getattr(sampled, name) for name in ("a", "b", "W")}
@@ -175,7 +179,9 @@ def damping_by_hand(case: Case, frequency: str) -> float:
     return round(effective_damping(case, case.omega(frequency)), _C_DECIMALS)
 
 
-def _at_samples(records: Sequence[Record], case: Case, frequency: str, cycle: int = 0) -> Features:
+def _at_samples(
+    records: Sequence[SimulatedRecord], case: Case, frequency: str, cycle: int = 0
+) -> Features:
     """Read V_s, a, b and W at the samples, without the harmonics, which take most of the time of `features_of`.
 
     cycle : how many periods before the last whole cycle of the records.

@@ -27,7 +27,7 @@ from ..arrays import Array
 from ..features import Features, of_numbers
 from ..motion.integrals import wrapped
 from ..motion.regime import Regime
-from .record import Record
+from .record import SimulatedRecord
 from .sampled import LATE, NO_CORNER, NO_CYCLE, REVERSALS, SHORT_STICK, integral, read_cycle
 
 ReadAt = Literal["interpolated", "sample"]
@@ -45,7 +45,11 @@ _TROUBLES = {
 
 
 def of_record(
-    record: Record, omega: float, k: float, reading: ReadAt = "interpolated", slip_samples: int = 1
+    record: SimulatedRecord,
+    omega: float,
+    k: float,
+    reading: ReadAt = "interpolated",
+    slip_samples: int = 1,
 ) -> Features:
     """Return features of one steady response, read off a clean record of y, x, v and acceleration.
 

@@ -35,7 +35,7 @@ from ..arguments import instance, number, one_of, whole
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator, Parameters, parameters
 from ..motion.jit import jit
-from .record import Record
+from .record import SimulatedRecord
 
 MIN_STICK_SAMPLES = 20
 """Fewest samples of a stick phase that reaches from −Z_m to +Z_m.
@@ -130,7 +130,7 @@ def simulate(
     c_over_m: float | None = None,
     k_over_m: float | None = None,
     stick_samples: int = MIN_STICK_SAMPLES,
-) -> Record:
+) -> SimulatedRecord:
     """Return the response from rest, by a fixed-step scheme: t, y, x, v and acceleration of the last `keep_cycles`
     cycles.
 
@@ -179,7 +179,7 @@ def simulate(
             f"take a step of at most {wanted:.2g} s"
         )
     t: Array = step * np.arange(first, last + 1, dtype=np.float64)
-    return Record(t, *signals)
+    return SimulatedRecord(t, *signals)
 
 
 def largest_growth(

@@ -31,7 +31,7 @@ RECORD_COLUMNS = {
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class SimulatedRecord:
     """Signals of one response on a uniform time grid; read-only float arrays of one shape (n,), n ≥ 3.
 
     t : time, s, increasing in equal steps.   y : displacement of the base, m.   x : displacement of the mass, m.
@@ -53,10 +53,12 @@ class Record:
                 object.__setattr__(self, field.name, _signal(field.name, value))
         for name, signal in self.signals().items():
             if signal.size != self.t.size:
-                raise ValueError(f"Record.{name} has {signal.size} samples, t has {self.t.size}")
+                raise ValueError(
+                    f"SimulatedRecord.{name} has {signal.size} samples, t has {self.t.size}"
+                )
         problem, _ = uneven(self.t, GRID_TOLERANCE)
         if problem:
-            raise ValueError(f"Record.t {problem}; resample the record to equal steps")
+            raise ValueError(f"SimulatedRecord.t {problem}; resample the record to equal steps")
 
     def __len__(self) -> int:
         return self.t.size
@@ -89,14 +91,16 @@ def _signal(name: str, values: ArrayLike) -> Array:
     try:
         signal = floats(values).copy()
     except ValueError as error:
-        raise ValueError(f"Record.{name} must be numbers, not {error}") from None
+        raise ValueError(f"SimulatedRecord.{name} must be numbers, not {error}") from None
     if signal.ndim != 1:
-        raise ValueError(f"Record.{name} must be one-dimensional, got shape {signal.shape}")
+        raise ValueError(
+            f"SimulatedRecord.{name} must be one-dimensional, got shape {signal.shape}"
+        )
     if signal.size < 3:
-        raise ValueError(f"Record.{name} must have at least 3 samples, got {signal.size}")
+        raise ValueError(f"SimulatedRecord.{name} must have at least 3 samples, got {signal.size}")
     bad = np.flatnonzero(~np.isfinite(signal))
     if bad.size:
         i = bad[0]
-        raise ValueError(f"Record.{name} is {signal[i]} at sample {i} ({bad.size} in all)")
+        raise ValueError(f"SimulatedRecord.{name} is {signal[i]} at sample {i} ({bad.size} in all)")
     signal.flags.writeable = False
     return signal

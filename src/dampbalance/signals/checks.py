@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import special
 
 from ..arrays import Array, Complexes
-from ..project.wording import Remark, Shown, part, signed
+from ..findings.finding import UNBOUNDED, Finding
+from ..findings.words import sentence
+from ..project.wording import signed
+from ..records.coordinate import TRANSLATION, Coordinate
 from .cycles import FEWEST_CYCLES, CycleHarmonics
 from .thresholds import NEVER, P_DRIFT, SIGNIFICANT
 
@@ -36,10 +39,9 @@ _SMALLEST_HARMONIC = 1e-3  # relative to the fundamental
 _SMALLEST_BASE_HARMONIC = 1e-6
 _CLIPPED_CYCLES = 0.5  # part of all cycles: if most are clipped, the range is too small
 _LARGEST_AMPLITUDE = 0.5  # m, some ten times what shakers of long stroke do
+_LARGEST_RATIO = 300.0  # of the amplitude of the mass over that of the base, or its inverse
+_UNITS = {1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for inches"}
 _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
-
-# A remark that puts every number in doubt, by an unknown amount.
-_doubtful = partial(Remark, doubts={"": math.inf})
 
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
 _LATTICE = 0.01  # steps by which a value may be off a whole number of them
@@ -70,7 +72,7 @@ def require_distinct(quantity: str, values: Array, driving: str, drive: Array) -
 
 def frequency(
     omega: float, error: float, cycles: int, frequency_hz: float | None
-) -> Iterator[Remark]:
+) -> Iterator[Finding]:
     """Compare the frequency of the excitation with the one given; ValueError when it is another, by over 5 %.
 
     Every difference that the record resolves is reported, from 20 ppm on: the quartz clocks of two sound devices differ
@@ -86,21 +88,11 @@ def frequency(
         raise ValueError(f"the drive frequency must be positive, got {frequency_hz} Hz")
     hertz, spread = omega / (2.0 * math.pi), error / (2.0 * math.pi)
     off = hertz / frequency_hz - 1.0
-    digits = max(6, 2 - math.floor(math.log10(max(abs(off), 1e-12))))  # that show the difference
-    words = "the excitation oscillates at {} ± {:.1g} Hz, not at the {} Hz given"
-    at, given = (Shown(value, f"{value:.{digits}g}") for value in (hertz, frequency_hz))
+    numbers = {"measured": hertz, "error": spread, "given": frequency_hz, "off": off}
     if abs(off) > _FREQUENCY_WRONG:
-        raise ValueError(
-            f"{words.format(at, spread, given)}: wrong frequency, wrong column, or a wrong sampling rate"
-        )
+        raise ValueError(sentence(Finding("other frequency", numbers), TRANSLATION))
     if abs(off) > max(_SMALLEST_CHANGE, _significant_for(max(1, cycles - 2)) * spread / hertz):
-        size = f"{signed(1e6 * off)} ppm" if abs(off) < 1e-3 else f"{signed(100.0 * off, 2)} %"
-        yield Remark(
-            f"{words} ({{}}): the given one was rounded, or the clock of the generator or the recorder is off; the "
-            "measured frequency is used",
-            *(at, spread, given, Shown(off, size)),
-            doubts={"": abs(off)},
-        )
+        yield Finding("frequency", numbers, {"": abs(off)})
 
 
 @lru_cache(maxsize=64)
@@ -110,32 +102,30 @@ def _significant_for(freedom: int) -> float:
 
 
 def checked_cycles(
-    channels: Mapping[str, CycleHarmonics], weights: Array, omega: float
-) -> Iterator[Remark]:
-    """Yield warnings about cycles that are missing, and about the signals in the others.
+    channels: Mapping[str, CycleHarmonics], weights: Array, omega: float, coordinate: Coordinate
+) -> Iterator[Finding]:
+    """Yield findings on cycles that are missing, and on the signals in the others.
 
-    weights : cycles in each row that all channels have.   omega : of the drive, rad/s.   Raises ValueError when fewer
+    channels : by what the coordinate calls them.   weights : cycles in each row that all channels have.   omega : of
+    the drive, rad/s.   Raises ValueError when fewer
     than three cycles can be used, or a channel does not oscillate with the drive.
     """
     left_out = []
     for quantity, harmonics in channels.items():
         if bad := harmonics.bad_cycles:
-            number, time, reason = bad[0]
-            words = f"{{}}: {{}} cycle{{}} left out; first cycle {{}} (at {{:.6g}} s): {reason.template}"
-            of = quantity, len(bad), "s" * (len(bad) > 1), number + 1, time, *reason.of
-            left_out.append(Remark(words, *of))
+            number, time, why = bad[0]
+            of = {"quantity": quantity, "count": len(bad), "first": number + 1, "time": time}
+            left_out.append(Finding("spikes", {**of, "why": why}))
     yield from left_out
     count, hertz = int(weights.sum()), omega / (2.0 * math.pi)
     if min(count, int(np.count_nonzero(weights))) < FEWEST_CYCLES:
         raise ValueError(
             f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels; at least "
-            f"{FEWEST_CYCLES} are needed" + "".join(f"; {words}" for words in left_out)
+            f"{FEWEST_CYCLES} are needed"
+            + "".join(f"; {sentence(one, coordinate)}" for one in left_out)
         )
     if count < FEW_CYCLES:
-        yield Remark(
-            "only {} cycles: standard errors and intervals are rough; record {} or more",
-            *(count, FEW_CYCLES),
-        )
+        yield Finding("few cycles", {"cycles": count, "enough": FEW_CYCLES})
     for quantity, harmonics in channels.items():
         if not harmonics.span > 0.0:
             raise ValueError(f"{quantity} is constant: {_UNCONNECTED}")
@@ -148,11 +138,8 @@ def checked_cycles(
                 f"{scatter:.2g}"
             )
         if is_clipped(harmonics):
-            yield _doubtful(
-                "{} is clipped: in {:.0f} % of the cycles several samples hold the extreme value; amplitude and "
-                "harmonics are too small; raise the measuring range, unless the mass stops there",
-                *(quantity, 100.0 * harmonics.clipped),
-            )
+            of = {"quantity": quantity, "cycles": harmonics.clipped}
+            yield Finding("clipped", of, UNBOUNDED)
 
 
 def is_clipped(harmonics: CycleHarmonics) -> bool:
@@ -160,8 +147,10 @@ def is_clipped(harmonics: CycleHarmonics) -> bool:
     return harmonics.clipped >= _CLIPPED_CYCLES
 
 
-def consistency(moved: dict[str, Complexes], weights: Array, omega: float) -> Iterator[Remark]:
-    """Yield warnings where displacement, velocity and acceleration are not those of one motion.
+def consistency(
+    moved: dict[str, Complexes], weights: Array, omega: float, coordinate: Coordinate = TRANSLATION
+) -> Iterator[Finding]:
+    """Yield findings where displacement, velocity and acceleration are not those of one motion.
 
     moved : harmonics of each response as displacements, rows × harmonics. A channel that is significantly off in time
     or gain is corrected in place to agree with the first; ValueError when it is too far off to be a matter of either.
@@ -175,25 +164,21 @@ def consistency(moved: dict[str, Complexes], weights: Array, omega: float) -> It
         error = math.sqrt(float(weights @ rest**2) / (2.0 * (len(rest) - 1)) / weights.sum())
         error /= abs(mean)
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
+        names = {"quantity": coordinate.noun(name), "other": coordinate.noun(first)}
         if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > _PHASE_WRONG:
             raise ValueError(
-                f"{name} contradicts {first}: at the drive frequency it shows {gain:.4g} times the motion, "
+                f"{names['quantity']} contradicts {names['other']}: at the drive frequency it shows {gain:.4g} times "
+                "the motion, "
                 f"{signed(math.degrees(phase), 1)}° apart; check units, sign and calibration, or leave one of the two "
                 "out"
             )
         late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)
         scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _SMALLEST_GAIN_ERROR)
         if late:
-            words = (
-                "{} {} {} by {:.1f} ± {:.1g} µs: shifted to agree; a record cannot show whether the excitation is in "
-                "time with either"
-            )
-            lags = "lags" if phase < 0.0 else "leads"
-            sizes = (name, lags, first, 1e6 * abs(phase) / omega, 1e6 * error / omega)
-            yield Remark(words, *sizes, doubts={"": abs(phase)})
+            by = {"lags": phase < 0.0, "by": abs(phase) / omega, "error": error / omega}
+            yield Finding("late", {**names, **by}, {"": abs(phase)})
         if scaled:
-            words = "{} shows {:.5f} times the motion of {}: scaled to agree; check the calibration"
-            yield Remark(words, name, gain, first, doubts={"": abs(gain - 1.0)})
+            yield Finding("scaled", {**names, "gain": gain}, {"": abs(gain - 1.0)})
         n = np.arange(moved[name].shape[1])
         moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
 
@@ -254,7 +239,7 @@ def _slow(size: int) -> Array:
     return np.linalg.qr(np.column_stack([np.ones(size), s, s**2, first]))[0][:, 1:]
 
 
-def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
+def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Finding]:
     """Yield a warning where a converter with coarse steps recorded a signal: its rounding errors repeat from cycle to
     cycle, and no scatter shows them. Noise of half a step and more makes them random.
 
@@ -265,29 +250,21 @@ def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Remark]:
         return
     whole = np.round(steps / step)
     if (np.abs(steps / step - whole) <= _LATTICE * whole).all():
-        yield Remark(
-            "{} has {:.1f} effective bits, below 12, and its noise is less than half a step: the rounding error "
-            "repeats in each cycle, and standard errors miss it; lower the measuring range",
-            *(quantity, math.log2(span / step)),
-            doubts={"": step / span},
-        )
-
-
-SETTLES = "; it settles after about {} cycles: leave those out (--skip-cycles {})"
-"""The part of a sentence on a motion that settles within its record; its last number is that of cycles to leave out."""
+        of = {"quantity": quantity, "bits": math.log2(span / step)}
+        yield Finding("bits", of, {"": step / span})
 
 
 class Unsettled(ValueError):
     """A record whose amplitude changes too much.   skip : cycles to leave out at its start, 0 where that is no use."""
 
-    def __init__(self, words: str, skip: int) -> None:
-        super().__init__(words)
-        self.skip = skip
+    def __init__(self, finding: Finding) -> None:
+        super().__init__(sentence(finding, TRANSLATION))
+        self.skip = int(finding.numbers["skip"])
 
 
 def steadiness(
     Y: Complexes, X: Complexes, times: Array, weights: Array, period: float, skipped: int = 0
-) -> tuple[tuple[float, float], list[Remark]]:
+) -> tuple[tuple[float, float], list[Finding]]:
     """Check whether the fundamentals of base and response are steady, against the scatter from cycle to cycle
     (`_change`): the standard deviations of those that do not, over the record and as parts of them, and warnings.
 
@@ -295,71 +272,73 @@ def steadiness(
 
     ValueError when the amplitude changes by more than a tenth.
     """
-    size, parts_of, warnings = len(Y), [0.0, 0.0], list[Remark]()
+    size, parts_of, warnings = len(Y), [0.0, 0.0], list[Finding]()
     if size < 4:
         return (0.0, 0.0), warnings
     # the excitation sets the phase of the record, so that only its amplitude varies
     amplitude = np.abs(Y)
-    both = ("the excitation", amplitude + 0j, 1.0), ("the response", X / (Y / amplitude), 2.0)
-    for i, (name, rows, parts) in enumerate(both):
+    both = (amplitude + 0j, 1.0), (X / (Y / amplitude), 2.0)
+    for i, (rows, parts) in enumerate(both):
         change = _change(rows, weights, parts)
         if not change.shows:
             continue
-        words = (
-            "{} is not steady: its amplitude changes by {}, its phasor by up to {} during the record "
-            "(chance of that in noise: {})"
-        )
-        if change.turn > _PHASE_OVER_AMPLITUDE * change.size:
-            words += "; only its phase drifts, as with two sampling clocks or growing friction"
-        chance = Shown(p := change.chance, "below 1e-6" if p < 1e-6 else f"{p:.1g}")
-        sizes: tuple[str | float, ...] = (name, part(change.size), part(change.turn), chance)
         # a change in proportion to time has these standard deviations: from end to end, and to either side of the mean
         parts_of[i] = max(change.size / math.sqrt(12.0), change.turn / math.sqrt(3.0))
         # it has settled where the phasor stays within its scatter about the mean of the second half
         late = rows[size // 2 :].mean()
         scatter = 4.0 * math.sqrt(parts * change.noise) + 1e-6 * abs(late)
         outside = 1 + np.flatnonzero(np.abs(rows - late) > scatter)
-        if change.bends and outside.size and outside[-1] < size // 2:
-            after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period)
-            words += SETTLES
-            sizes = (*sizes, after, skipped + after)
-        elif change.size > _AMPLITUDE_WRONG:
-            words += "; leave out cycles at its start (--skip-cycles), or record again after the motion has settled"
+        settles = bool(change.bends and outside.size and outside[-1] < size // 2)
+        after = round(outside[-1] * (times[-1] - times[0]) / (size - 1) / period) if settles else 0
+        numbers = {
+            **{"drive": i == 0, "change": change.size, "turn": change.turn},
+            **{"chance": change.chance, "after": after, "skip": skipped + after if settles else 0},
+            "phase": change.turn > _PHASE_OVER_AMPLITUDE * change.size,
+            "large": change.size > _AMPLITUDE_WRONG and not settles,
+        }
+        said = Finding("unsettled", numbers, {"": parts_of[i]})
         # a response that follows a drive which hunts is no transient: it may be averaged
-        if change.size > _AMPLITUDE_WRONG and not (i and parts_of[0] and SETTLES not in words):
-            raise Unsettled(words.format(*sizes), int(sizes[-1]) if SETTLES in words else 0)
-        warnings.append(Remark(words, *sizes, doubts={"": parts_of[i]}))
+        if change.size > _AMPLITUDE_WRONG and not (i and parts_of[0] and not settles):
+            raise Unsettled(said)
+        warnings.append(said)
     return (parts_of[0], parts_of[1]), warnings
 
 
-def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Remark]:
+def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Finding]:
     """Yield warnings where amplitudes Y, X (m) are not those of a test bench: a unit may be wrong.
 
     A wrong unit of all channels alike scales F_k, and nothing else: only the size can betray it. Accelerations of more
     than 100 g are nothing odd at high frequencies; speeds of tens of m/s are, and they become usual ones by a unit that
     is a thousandth. A force over the stiffness is no motion.
     """
-    for what, amplitude in (("the base", Y),) * (driven_by != "force") + (("the mass", X),):
+    for base, amplitude in ((True, Y),) * (driven_by != "force") + ((False, X),):
         if amplitude > _LARGEST_AMPLITUDE or omega * amplitude > _LARGEST_SPEED:
-            yield _doubtful(
-                "{} moves by {:.3g} m, with {:.3g} m/s: is a unit wrong (mm taken for m)?",
-                *(what, amplitude, omega * amplitude),
-            )
+            numbers = {"base": base, "amplitude": amplitude, "speed": omega * amplitude}
+            yield Finding("implausible", numbers, UNBOUNDED)
 
 
-def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Remark]:
+def ratio(Y: float, X: float, driven_by: str, coordinate: Coordinate) -> Iterator[Finding]:
+    """Yield a finding where the mass moves so much more or less than the base that the unit of one may be wrong.
+
+    A Q of 300, or a drive at 17 times the natural frequency, are at the limit.
+    """
+    gain = X / Y
+    if not 1.0 / _LARGEST_RATIO < gain < _LARGEST_RATIO:
+        size = max(gain, 1.0 / gain)
+        nearest = min(_UNITS, key=lambda factor: abs(math.log(size / factor)))
+        of = {"gain": gain, "confused": _UNITS[nearest], "by_force": driven_by == "force"}
+        angle = coordinate != TRANSLATION
+        yield Finding("unit", {**of, "angle": angle}, UNBOUNDED)
+
+
+def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Finding]:
     """Yield a warning when base or force has more than one frequency: not all that is read counts its harmonics."""
-    what = "the force" if driven_by == "force" else "the base motion"
     relative = _significant(mean, error)[2:]
     if relative.any():
-        largest = int(np.argmax(relative)) + 2
-        yield Remark(
-            "{} is not harmonic: {} distortion, most of it harmonic {} ({}); a fit to the fundamentals leaves its "
-            "other harmonics out",
-            *(what, part(math.hypot(*relative)), largest, part(relative.max())),
-            doubts={"": math.hypot(*relative)},
-            spares=("direct", "maximum likelihood"),
-        )
+        distortion = math.hypot(*relative)
+        largest = {"order": int(np.argmax(relative)) + 2, "share": float(relative.max())}
+        of = {"by_force": driven_by == "force", "distortion": distortion, **largest}
+        yield Finding("base", of, {"": distortion})
 
 
 def highest_of_base(mean: Complexes, error: Array) -> int:
@@ -372,19 +351,16 @@ def highest_of_base(mean: Complexes, error: Array) -> int:
     return max(1, int(np.flatnonzero(clear)[-1]))
 
 
-def symmetry(mean: Complexes, error: Array, base: Complexes, base_error: Array) -> Iterator[Remark]:
+def symmetry(
+    mean: Complexes, error: Array, base: Complexes, base_error: Array
+) -> Iterator[Finding]:
     """Yield a warning when the response has even harmonics: friction or stiffness then differ between the two
     directions, unless the base has such, too, which act on odd ones in second order only."""
     even = _significant(mean, error)[2::2]
     order = 2 if _significant(base, base_error)[2::2].any() else 1
     if even.any():
-        yield Remark(
-            "the response is not symmetric: harmonic {} is {} of the fundamental; direct integration includes the "
-            "even harmonics, all other results are those of the symmetric part",
-            *(2 * int(np.argmax(even)) + 2, part(even.max())),
-            doubts={"": float(even.max()) ** order},
-            spares=("direct",),
-        )
+        of = {"order": 2 * int(np.argmax(even)) + 2, "share": float(even.max())}
+        yield Finding("asymmetric", of, {"": float(even.max()) ** order})
 
 
 def _significant(mean: Complexes, error: Array) -> Array:
@@ -395,16 +371,12 @@ def _significant(mean: Complexes, error: Array) -> Array:
     return np.where(real, relative, 0.0)
 
 
-def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Remark]:
+def work(Y: complex, X: complex, Y_error: float, X_error: float) -> Iterator[Finding]:
     """Yield a warning when the base does no work on the mass."""
     sine = -math.sin(math.atan2((X / Y).imag, (X / Y).real))
     error = math.hypot(X_error / abs(X), Y_error / abs(Y))
     if sine <= -SIGNIFICANT * error:
-        yield _doubtful(
-            "the response leads the excitation (sin φ₁ = {:.4f}), so that the base takes work out: check the sign of "
-            "each channel, and whether two are exchanged",
-            sine,
-        )
+        yield Finding("exchanged", {"sine": sine}, UNBOUNDED)
 
 
 def weighted_mean(rows: Complexes | Array, weights: Array) -> Any:

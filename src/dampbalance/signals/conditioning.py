@@ -13,7 +13,7 @@ and, of a mass m whose contact, spring and damper all sit on the base, which mov
 
     y_n → m(nω)² y_n/k,      x_n → r_n = x_n − y_n,
 
-after the known gain, delay and filters of the channel have been removed (`records/measurement.py`). The harmonics of
+after the known gain, delay and filters of the channel have been removed (`records/channel.py`). The harmonics of
 several response channels are averaged, each weighted by its inverse variance.
 """
 
@@ -27,10 +27,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ..arrays import Array, Complexes, Integers
-from ..project.wording import Remark, part, visible
-from ..records.clock import GRID_TOLERANCE
-from ..records.coordinate import TRANSLATION
-from ..records.measurement import (
+from ..findings.finding import Finding
+from ..project.wording import visible
+from ..records.channel import (
     ABSOLUTE,
     ACCOMPANYING,
     ORDERS,
@@ -38,8 +37,10 @@ from ..records.measurement import (
     RESPONSES,
     Channel,
     Correction,
-    Measurement,
 )
+from ..records.clock import GRID_TOLERANCE
+from ..records.coordinate import TRANSLATION
+from ..records.record import Record
 from . import checks
 from .checks import ROUNDING, weighted_mean
 from .cycles import CycleHarmonics, cycle_harmonics, frequency_offset, powers
@@ -103,7 +104,7 @@ class SteadyRecord:
     noise_rms: Mapping[str, float]
     of_base: Mapping[str, float]
     base_mass: float | None
-    warnings: tuple[Remark, ...]
+    warnings: tuple[Finding, ...]
 
     @property
     def frequency_hz(self) -> float:
@@ -128,7 +129,7 @@ class SteadyRecord:
 
 @one_thread
 def condition(
-    measurement: Measurement,
+    measurement: Record,
     k: float,
     *,
     frequency_hz: float | None = None,
@@ -144,10 +145,10 @@ def condition(
     Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another
     frequency, signals that contradict each other.
     """
-    warnings: list[Remark] = []
-    source, driving = measurement.source, measurement.excitation.quantity
+    warnings: list[Finding] = []
+    source, driving = measurement.name, measurement.excitation.quantity
     if not (math.isfinite(k) and k > 0.0):
-        raise ValueError(f"{source}: the stiffness k must be positive, got {k} N/m")
+        raise ValueError(f"{source}: the stiffness k must be positive, got {k}")
     kept = [q for q in measurement if q not in ACCOMPANYING]
     samples = {q: in_equal_steps(measurement[q], warnings) for q in kept}
     try:
@@ -157,7 +158,7 @@ def condition(
         raise ValueError(f"{source}: {error}") from error
 
 
-def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
+def in_equal_steps(channel: Channel, warnings: list[Finding]) -> Channel:
     """Return the channel with times in equal steps: itself where they are; with a warning where they are off by more
     than the rounding of times to few digits."""
     t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
@@ -165,8 +166,8 @@ def in_equal_steps(channel: Channel, warnings: list[Remark]) -> Channel:
     if off <= _EXACT:
         return channel
     if off > GRID_TOLERANCE:
-        words = "{}: times are up to {} of a step off equal steps, which are used instead"
-        warnings.append(Remark(words, visible(channel.name), part(off)))
+        of = {"channel": visible(channel.name), "off": off}
+        warnings.append(Finding("uneven times", of))
     return replace(channel, t=t)
 
 
@@ -178,7 +179,7 @@ def _steady(
     driving: str,
     skipped: int,
     base_mass: float | None,
-    warnings: list[Remark],
+    warnings: list[Finding],
 ) -> SteadyRecord:
     """Return the steady record that harmonics are: in the rows that all channels have, in the time and at the frequency
     of the drive, without drift, as displacements.
@@ -193,8 +194,14 @@ def _steady(
         raise ValueError(f"the channels differ too much in length: cycles per row are {per_row}")
     common = min(len(h.weights) for h in channels.values())
     weights = np.min([h.weights[:common] for h in channels.values()], axis=0)
-    passed = {q: _passed(q, h, omega) for q, h in channels.items() if h.correction is not None}
-    warnings += checks.checked_cycles(channels, weights, base.omega)
+    coordinate = samples[driving].coordinate
+    passed = {
+        q: _passed(coordinate.noun(q), h, omega)
+        for q, h in channels.items()
+        if h.correction is not None
+    }
+    named = {coordinate.noun(q): h for q, h in channels.items()}
+    warnings += checks.checked_cycles(named, weights, base.omega, coordinate)
     usable = weights > 0.0
     times, weights = base.times[:common][usable] - base.start, weights[usable]
     rows = {q: h.coefficients[:common][usable] for q, h in channels.items()}
@@ -209,7 +216,7 @@ def _steady(
         # the samples have white noise, so that the scatter of the harmonics between rows gives its size
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
         noise_rms[q] = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
-        warnings += checks.few_bits(q, samples[q].values, noise_rms[q])
+        warnings += checks.few_bits(coordinate.noun(q), samples[q].values, noise_rms[q])
         response = passed.get(q, np.ones(of.shape[1]))
         scale = _of_displacement(q, response.size, omega, k) / response
         moved[q] = of[:, : scale.size] * scale
@@ -228,15 +235,16 @@ def _steady(
         ratio = base_mass * omega**2 / k
         Y = Y * (ratio * np.arange(Y.shape[1]) ** 2.0)
         of_base = {q: of / ratio for q, of in of_base.items()}
-    warnings += checks.consistency(moved, weights, omega)
+    warnings += checks.consistency(moved, weights, omega, coordinate)
     errors = {q: _error(of, weights) for q, of in moved.items()}
     if len(set(of_base.values())) == 1:  # else the error of the base is in some only
         for q, error in own.items():
             errors[q][1] = error
     X, X_error, shares = _combined(moved, errors)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
-    if samples[driving].coordinate == TRANSLATION:  # nothing bounds an angle
+    if coordinate == TRANSLATION:  # nothing bounds an angle
         warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
+    warnings += checks.ratio(abs(mean_Y[1]), abs(mean_X[1]), driving, coordinate)
     period = 2.0 * math.pi / base.omega
     parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += unsteady
@@ -289,28 +297,29 @@ def _harmonics_of(
     driving: str,
     frequency_hz: float | None,
     skip_cycles: int,
-    warnings: list[Remark],
+    warnings: list[Finding],
 ) -> dict[str, CycleHarmonics]:
     """Return the harmonics of every channel, by quantity, at the drive frequency of the leading part of the record."""
     drive = channels[driving]
-    omega, error, cycles, begin = frequency_of(drive.t, drive.values, driving)
+    noun = drive.coordinate.noun
+    omega, error, cycles, begin = frequency_of(drive.t, drive.values, noun(driving))
     period = 2.0 * math.pi / omega
     if begin > -math.inf:
-        warnings.append(Remark("{} stands still until {:.4g} s: left out", driving, begin))
+        warnings.append(Finding("starts late", {"quantity": noun(driving), "begin": begin}))
     warnings += checks.frequency(omega, error, cycles, frequency_hz)
     first = {q: int(np.searchsorted(channel.t, begin)) for q, channel in channels.items()}
     start = max(float(channels[q].t[i]) for q, i in first.items()) + skip_cycles * period
     harmonics = {}
     for q, channel in channels.items():
         leading = slice(first[q], first[q] + LEADING)
-        step = step_of(channel.t[leading], q)
+        step = step_of(channel.t[leading], noun(q))
         if q != driving:
             of_drive = drive.values[first[driving] :]
-            checks.require_distinct(q, channel.values[leading], driving, of_drive)
+            checks.require_distinct(noun(q), channel.values[leading], noun(driving), of_drive)
         per_cycle = period / step
         if per_cycle < 12.0:
             raise ValueError(
-                f"{q}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
+                f"{noun(q)}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
             )
         most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else _HARMONICS_OF_BASE
         highest = min(most, math.floor(per_cycle / 4.0))

@@ -24,8 +24,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..project.wording import Remark
-from ..records.measurement import Correction
+from ..findings.finding import Finding
+from ..records.channel import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
@@ -65,7 +65,7 @@ class CycleHarmonics:
     cycles_per_row: int
     weights: Array
     drift: Complexes
-    bad_cycles: tuple[tuple[int, float, Remark], ...]
+    bad_cycles: tuple[tuple[int, float, Finding], ...]
     span: float
     clipped: float
     first: float = 0.0
@@ -105,7 +105,7 @@ def cycle_harmonics(
     count = max(0, edges.size - 1)
     at_once = max(1, _MOST_AT_ONCE // work.longest)
     rows, clipped = np.zeros((count, harmonics + 2), dtype=np.complex128), 0
-    bad: list[tuple[int, float, Remark]] = []
+    bad: list[tuple[int, float, Finding]] = []
     for first in range(0, count, at_once):
         chosen = slice(first, first + at_once)
         of_chosen = edges[first : first + at_once + 1]
@@ -240,7 +240,7 @@ class _Cycles:
 
     def rows(
         self, t: Array, values: Array, edges: NDArray[np.intp], missing: Mask | None = None
-    ) -> tuple[Complexes, dict[int, Remark], int]:
+    ) -> tuple[Complexes, dict[int, Finding], int]:
         """Return the harmonics of cycles, whose samples lie between successive edges, and a 1 for each that is usable;
         which are not, and why; how many of the others are clipped."""
         size = np.diff(edges)
@@ -255,7 +255,7 @@ class _Cycles:
         faults = self._faults(s, size, local, square, held)
         if missing is not None:
             lacking = np.diff(np.append(0, np.cumsum(missing))[edges]).tolist()
-            faults |= {j: Remark("samples are missing") for j, n in enumerate(lacking) if n}
+            faults |= {j: Finding("gap") for j, n in enumerate(lacking) if n}
         rows = np.column_stack([local * turn, np.ones(size.size)])
         rows[list(faults)] = 0.0
         good = [s[j, : size[j]] for j in range(size.size) if j not in faults] if held.any() else []
@@ -281,7 +281,7 @@ class _Cycles:
 
     def _faults(
         self, s: Array, size: NDArray[np.intp], local: Complexes, square: Array, held: Mask
-    ) -> dict[int, Remark]:
+    ) -> dict[int, Finding]:
         """Return the cycles, by number, that hold samples that stand still while the signal moves on, or that lie far
         off it."""
         rms = math.sqrt(float(np.median(square)))
@@ -305,9 +305,8 @@ class _Cycles:
             others = s[around] if around.size > 2 else model[j : j + 1]
             reason = _held(s[j, : size[j]], others, rms)
             if not reason and outlying[j] and off[j, worst] > limit:
-                reason = Remark(
-                    "a spike: {:.6g} where {:.6g} is expected", s[j, worst], model[j, worst]
-                )
+                of = {"value": float(s[j, worst]), "expected": float(model[j, worst])}
+                reason = Finding("spike", of)
             if reason:
                 faults[j] = reason
         return faults
@@ -362,8 +361,8 @@ def clipped(values: Array) -> bool:
     return bool(np.isfinite(flat_tops(values)).any())
 
 
-def _held(s: Array, others: Array, rms: float) -> Remark:
-    """Return a remark if samples of a cycle hold one value while the signal moves on; an empty one if not.
+def _held(s: Array, others: Array, rms: float) -> Finding | None:
+    """Return a finding if samples of a cycle hold one value while the signal moves on.
 
     A converter repeats a value while the signal stays within one of its steps, in every cycle at the same place. A
     drop-out repeats it in this cycle alone: in the cycles around, the signal moves on by more than a step and five
@@ -389,11 +388,11 @@ def _held(s: Array, others: Array, rms: float) -> Remark:
         near = pace[max(starts[i] - length, 0) : stops[i] + length]
         held[i] = jump > _JUMPS * near.max() + 5.0 * rms
     if not held.any():
-        return Remark("")
+        return None
     longest = int(np.argmax(np.where(held, stops - starts, 0)))
     value = s[starts[longest]]
     size = int(stops[longest] - starts[longest])
-    return Remark("a drop-out: {} samples hold the value {:.6g}", size, value)
+    return Finding("drop-out", {"samples": size, "value": float(value)})
 
 
 def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..records.measurement import ORDERS, Correction
+from ..records.channel import ORDERS, Correction
 from .conditioning import CLEAR_HARMONIC, SteadyRecord
 from .thresholds import SIGNIFICANT
 

@@ -29,10 +29,10 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..features import FEATURE_COLUMNS, Features, of_numbers, wrapped_phase
+from ..findings.finding import Finding
 from ..law.terms import FRICTION, of_harmonics
 from ..motion.law_steady import Response
-from ..project.wording import Remark
-from ..records.measurement import Measurement
+from ..records.record import Record
 from .conditioning import SteadyRecord, condition
 from .cycles import bootstrap, powers
 from .lines import Lines
@@ -169,8 +169,8 @@ class Reading:
         return self.features_of(self.mean)
 
     @property
-    def warnings(self) -> tuple[Remark, ...]:
-        """Faults of the record, one sentence each."""
+    def warnings(self) -> tuple[Finding, ...]:
+        """Faults of the record."""
         return self.steady.warnings
 
     @cached_property
@@ -399,7 +399,7 @@ class Reading:
 
 
 def read_features(
-    measurement: Measurement, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
+    measurement: Record, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
 ) -> Reading:
     """Return features of the response of one measurement.
 

@@ -28,11 +28,11 @@ from ..motion.law_steady import Response, steady_response
 from ..motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
 from ..motion.regime import Regime
 from ..motion.sliders import SlidersOrbit, sliders_orbit, spread_contact
-from ..records.measurement import Measurement
+from ..records.record import Record
 from ..records.synthetic import measured_orbit
 from ..replication.clean import CYCLES_TO_READ, of_record
 from ..replication.fixed_step import StepTooCoarse, simulate
-from ..replication.record import Record
+from ..replication.record import SimulatedRecord
 from ..signals.mean_harmonics import Reading, read_features
 from .cases import NOT_READ, STEP_TOO_COARSE, Cases, Responses
 from .parameters import of_law, oscillator_of
@@ -132,7 +132,7 @@ def record_responses(cases: Cases, _: Iterable[str]) -> Responses:
     return Responses(_one_by_one(cases, read).replaced(Y=cases.Y))
 
 
-def _simulated(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Record:
+def _simulated(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> SimulatedRecord:
     """Return the last three cycles of those that a fixed-step scheme computes."""
     values = cases.values
     if "step_s" in values:
@@ -145,13 +145,13 @@ def _simulated(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> 
     return simulate(osc, motion, scheme=str(values["scheme"][case]), step=step, **lengths)
 
 
-def _sampled(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> Record:
+def _sampled(cases: Cases, osc: Oscillator, motion: BaseMotion, case: int) -> SimulatedRecord:
     """Return the exact response, sampled at sampling_hz for the cycles of the study, from ωt = 0 on."""
     orbit = steady_orbit(osc, motion)
     rate = float(cases.values["sampling_hz"][case])
     t = np.arange(int(cases.study.cycles * motion.period * rate) + 1) / rate
     state = orbit.state(t)
-    return Record(t, motion.y(t), state.x, state.v, state.acceleration)
+    return SimulatedRecord(t, motion.y(t), state.x, state.v, state.acceleration)
 
 
 # --- noisy records -----------------------------------------------------------------------------------
@@ -187,9 +187,7 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
     return Responses(whole[..., 0], whole[..., 1:], simpson, (values, errors))
 
 
-def _measured(
-    cases: Cases, osc: Oscillator, case: int, level: int
-) -> tuple[Reading, Measurement] | str:
+def _measured(cases: Cases, osc: Oscillator, case: int, level: int) -> tuple[Reading, Record] | str:
     """Return the reading of one record, and the record; the reason, in words, where it cannot be read."""
     study = cases.study
     motion = BaseMotion(float(cases.Y[level, case]), float(cases.si["omega"][case]))
@@ -240,7 +238,7 @@ def _with_one_oscillator(
 
 
 def _by_simpson(
-    records: Sequence[tuple[Reading, Measurement] | str],
+    records: Sequence[tuple[Reading, Record] | str],
     k: float,
     count: int,
     random: np.random.Generator,

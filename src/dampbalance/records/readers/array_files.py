@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import nullcontext, suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordError, library
-from ..table import TIMING_NAMES, UNIT_NAMES, Table, signals_file, signals_in, unit_among
+from ..table import TIMING_NAMES, UNIT_NAMES, Signal, Table, Unread, signals_file, table_of
 from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
@@ -29,9 +29,15 @@ def hdf5_file(path: Path) -> Table:
     """Return the table of an HDF5 file, or of one of MATLAB 7.3: every array of numbers in it is a channel, by its
     path.
 
-    Unit and sampling rate are attributes of the array, or of the groups that hold it, or scalars next to it.
+    Unit and sampling rate are attributes of the array, the rate also one of the groups that hold it, or a scalar next
+    to it.
     """
     h5py = library("h5py", "HDF5")
+
+    def read(name: str, part: Any) -> Any:
+        with h5py.File(path, "r") as file:
+            return file[name][part]
+
     with h5py.File(path, "r") as file:
         datasets = list(_datasets(h5py, file))
         scalars = {
@@ -39,43 +45,38 @@ def hdf5_file(path: Path) -> Table:
             for name, d, _ in datasets
             if d.size == 1 and (last := name.rpartition("/")[2]).lower() in TIMING_NAMES
         }
-        owned = [(name, data.shape, above, _attributes(data)) for name, data, above in datasets]
-        arrays = [
-            (n, size, scalars | above | own, unit_among(own)) for n, size, above, own in owned
-        ]
-        channels, signals = signals_in(path, arrays)
-
-    def load(wanted: Sequence[int]) -> list[Any]:
-        with h5py.File(path, "r") as file:
-            return [signals[i](file) for i in wanted]
-
-    return Table(path, channels, load)
+        signals = []
+        for name, data, stated in datasets:
+            if data.ndim in (1, 2) and data.size > 1:
+                folder, slash, last = name.rpartition("/")
+                held = Unread(data.shape, partial(read, name))
+                signals.append(Signal(last, held, scalars | stated, folder + slash))
+    return table_of(path, signals)
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
-    """Yield every array of real numbers in a file: its path, itself and the attributes of its groups. Each is visited
+    """Yield every array of real numbers in a file: its path, itself and what it and its groups state. Each is visited
     once, by hard links alone."""
     visited: list[tuple[str, Any]] = []
     file.visititems(lambda name, item: visited.append((name, item)))
-    groups = {"": _attributes(file)}
+    groups = {"": _attributes(file, TIMING_NAMES)}
     for name, item in visited:
         above = groups.get(name.rpartition("/")[0])
         if above is None or name.rpartition("/")[2].startswith("#"):  # MATLAB's own: #refs#
             continue
         if isinstance(item, h5py.Group):
-            groups[name] = above | _attributes(item)
-        elif isinstance(item, h5py.Dataset) and (
+            groups[name] = above | _attributes(item, TIMING_NAMES)
+        elif (
             item.dtype.kind in "fiu"  # real numbers: no truth values, no enumeration, no text
             and item.size
             and h5py.check_enum_dtype(item.dtype) is None
             and item.attrs.get("MATLAB_class") not in _NO_NUMBERS
         ):
-            yield name, item, above
+            yield name, item, above | _attributes(item, TIMING_NAMES | {*UNIT_NAMES})
 
 
-def _attributes(item: Any) -> dict[str, object]:
-    """Return the attributes that may state unit or timing."""
-    return {n: item.attrs[n] for n in item.attrs if n.lower() in TIMING_NAMES | {*UNIT_NAMES}}
+def _attributes(item: Any, names: Collection[str]) -> dict[str, object]:
+    return {name: item.attrs[name] for name in item.attrs if name.lower() in names}
 
 
 def matlab_file(path: Path) -> Table:
@@ -85,20 +86,30 @@ def matlab_file(path: Path) -> Table:
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
-    stated = whosmat(path)
-    truths = {name for name, _, kind in stated if kind == "logical"}
+    truths = {name for name, _, kind in whosmat(path) if kind == "logical"}
     document = reader.read_mat(str(path))
     held = {n: v for n, v in document.items() if not n.startswith("__") and n not in truths}
-    units, fields = dict[str, str](), dict[str, Any]()
-    for name, value, unit in _unrolled(held):
-        if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu"):
-            fields[name] = value
-            units[name] = unit
-    scalars = {n.rpartition(".")[2]: value for n, value in fields.items() if np.size(value) == 1}
-    shaped = {n: v for n, v in fields.items() if isinstance(v, np.ndarray)}
-    arrays = [(n, v.shape, scalars, units[n] or None) for n, v in shaped.items()]
-    channels, signals = signals_in(path, arrays)
-    return Table(path, channels, lambda wanted: [signals[i](fields) for i in wanted])
+    fields = {
+        name: (value, unit)
+        for name, value, unit in _unrolled(held)
+        if np.isscalar(value) or (isinstance(value, np.ndarray) and value.dtype.kind in "fiu")
+    }
+    stated = {
+        last: value
+        for name, (value, _) in fields.items()
+        if np.size(value) == 1 and (last := name.rpartition(".")[2]).lower() in TIMING_NAMES
+    }
+    signals = [
+        Signal(name, np.asarray(value), stated | {"unit": unit})
+        for name, (value, unit) in fields.items()
+        if _is_signal(value)
+    ]
+    return table_of(path, signals)
+
+
+def _is_signal(value: Any) -> bool:
+    """Return whether a value is an array of samples, in one dimension or two."""
+    return np.ndim(value) in (1, 2) and np.size(value) > 1
 
 
 def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
@@ -146,31 +157,22 @@ def numpy_file(path: Path) -> Table:
     """Return the table of an array of NumPy, or of an archive of several: each is a channel, and so is each field or
     column of one that has them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects
     are passed over."""
+    held = {}
     with open(path, "rb") as stream:
-        if stream.read(2) == b"PK":
-            stream.seek(0)
-            with np.load(stream) as archive:
-                loads = {name: partial(archive.__getitem__, name) for name in archive.files}
-                held = {name: array for name in loads if (array := _plain(loads[name])) is not None}
-        else:
-            array = _plain(partial(np.load, path, mmap_mode="r"))
-            held = {} if array is None else {"": np.array(array)}
-        if not held:
-            remedy = "save its signals as arrays of numbers"
-            raise RecordError(
-                f"{path}: holds Python objects alone, pickled, which are not loaded; {remedy}"
-            )
-        return _table(path, held.popitem()[1] if len(held) == 1 else held)
-
-
-def _plain(load: Callable[[], Any]) -> Any:
-    """Return the array that a function loads; None for one of objects."""
-    try:
-        return load()
-    except ValueError as error:
-        if "bject" in str(error):  # arrays of objects cannot be loaded, nor mapped into memory
-            return None
-        raise
+        packed = stream.peek(2).startswith(b"PK")
+        with np.load(stream) if packed else nullcontext({"": path}) as arrays:
+            for name in arrays:
+                try:
+                    held[name] = np.array(arrays[name] if name else np.load(path, mmap_mode="r"))
+                except ValueError as error:
+                    if "bject" not in str(error):  # objects can neither be loaded nor mapped
+                        raise
+    if not held:
+        remedy = "save its signals as arrays of numbers"
+        raise RecordError(
+            f"{path}: holds Python objects alone, pickled, which are not loaded; {remedy}"
+        )
+    return _table(path, held.popitem()[1] if len(held) == 1 else held)
 
 
 def json_file(path: Path) -> Table:
@@ -207,6 +209,6 @@ def _table(path: Path, held: Any) -> Table:
         held = {
             str(name): values
             for name, values in held.items()
-            if (np.size(values) > 1 and np.ndim(values) < 3) or str(name).lower() in TIMING_NAMES
+            if _is_signal(values) or str(name).lower() in TIMING_NAMES
         }
     return signals_file(str(path), held)

@@ -7,17 +7,17 @@ import io
 import re
 import tempfile
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...arrays import Array
-from ...project.wording import shortened
 from ..errors import RecordError, library
 from ..headings import quantity_of, words_of
-from ..table import RawChannel, Table, described, unit_among
+from ..table import RawChannel, Signal, Table, Unread, in_seconds, table_of, unit_among
 from ..units import split_label
 
 # universal files: the function types of a time response and of a frequency response, what a channel without a name
@@ -34,41 +34,24 @@ _NO_SIZE = (0, 0xFFFFFFFF)  # a program writes these before it knows how long a 
 def parquet_file(path: Path) -> Table:
     """Return the table of a Parquet file; the unit of a column from its field's metadata, else from its name. Points in
     time are read as s from the first on."""
-    types, parquet = (library(f"pyarrow.{name}", "Parquet") for name in ("types", "parquet"))
+    pyarrow, parquet = library("pyarrow", "Parquet"), library("pyarrow.parquet", "Parquet")
 
-    def is_time(kind: Any) -> bool:
-        return bool(types.is_timestamp(kind) or types.is_duration(kind))
+    def is_time(field: Any) -> bool:
+        return bool(pyarrow.types.is_timestamp(field.type) or pyarrow.types.is_duration(field.type))
 
-    numeric = types.is_integer, types.is_floating, types.is_decimal, is_time
-
-    def channel(field: Any) -> RawChannel:
-        if is_time(field.type):
-            return RawChannel(field.name, "s", size, label=field.name, stamps=True)
-        metadata = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
-        return described(path, field.name, size, {}, unit_among(metadata))
+    def read(field: Any, part: Any) -> Any:
+        with parquet.ParquetFile(path) as file:
+            values = file.read(columns=[field.name]).column(0).to_numpy()
+        return (in_seconds(values) if is_time(field) else values)[part]
 
     with parquet.ParquetFile(path) as file:
-        fields, size = list(file.schema_arrow), file.metadata.num_rows
-        channels = [channel(field) for field in fields]
-
-    def numbers(column: Any, kind: Any, name: str) -> Any:
-        held = kind.value_type if types.is_dictionary(kind) else kind
-        if not any(is_kind(held) for is_kind in numeric):
-            what = shortened(str(kind))[1:-1]
-            raise RecordError(f"{path}: column {shortened(name)} holds {what}, not numbers")
-        values = column.to_numpy()
-        if not is_time(kind):
-            return values
-        if types.is_timestamp(kind) and len(values):
-            values = values - values[0]  # exact: 19 digits
-        return values / np.timedelta64(1, "s")
-
-    def load(wanted: Sequence[int]) -> list[Any]:
-        with parquet.ParquetFile(path) as file:
-            table = file.read(columns=sorted({fields[i].name for i in wanted}))
-        return [numbers(table.column(f.name), f.type, f.name) for f in (fields[i] for i in wanted)]
-
-    return Table(path, channels, load)
+        fields, shape = list(file.schema_arrow), (file.metadata.num_rows,)
+    signals = []
+    for field in fields:
+        stated = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
+        unit, held = {"unit": unit_among(stated)}, Unread(shape, partial(read, field))
+        signals.append(Signal(field.name, held, unit, "", is_time(field)))
+    return table_of(path, signals)
 
 
 def uff_file(path: Path) -> Table:
@@ -78,45 +61,37 @@ def uff_file(path: Path) -> Table:
     moves. Of a file without time responses its frequency responses: frequency, receptance, mobility or accelerance, and
     phase, "1/phase" of the first of several."""
     pyuff = library("pyuff", "a universal file")
-    channels, arrays = [], []
     tidy = _tidied(path.read_bytes())
-    marks = tidy.count(b"    -1\n") + tidy.count(b"    -1\r")
+    if (tidy.count(b"    -1\n") + tidy.count(b"    -1\r")) % 2:
+        raise RecordError(f"{path}: its last data set has no end; it was cut short")
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "tidy.uff"
         copy.write_bytes(tidy)
         file = pyuff.UFF(str(copy))
         kinds = map(int, file.get_set_types())
         sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
-    responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
-    sets = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
-    for number, item in enumerate([] if sets else responses, start=1):
-        group = f"{number}/" * (len(responses) > 1)
-        for name, unit, values in _frequency_response(item):
-            channels.append(RawChannel(group + name, unit, values.size, label=group + name))
-            arrays.append(values)
-    for item, label in zip(sets, _names(sets), strict=True):
-        n = int(item["num_pts"])
-        values = np.asarray(item["data"])
+    times = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+    signals = []
+    for item, label in zip(times, _names(times), strict=True):
+        values, n = np.asarray(item["data"]), int(item["num_pts"])
         if values.size != n or np.iscomplexobj(values):
             raise RecordError(
                 f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real "
                 "signal"
             )
-        even = item["abscissa_spacing"] == 1
-        timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]} if even else {}
-        stated = _stated(item, "ordinate_axis_units_lab")
-        channel = described(path, label, n, timing, stated)
-        if not even:  # its times stand in it, in front of it here
-            seconds = _stated(item, "abscissa_axis_units_lab") or "s"
-            channels.append(RawChannel(f"{channel.name} time", seconds, n))
-            arrays.append(np.asarray(item["x"]))
-        channels.append(channel)
-        arrays.append(values)
-    if marks % 2:
-        raise RecordError(f"{path}: its last data set has no end; it was cut short")
-    if not arrays:
+        unit, timing = {"unit": _stated(item, "ordinate_axis_units_lab")}, dict[str, Any]()
+        if item["abscissa_spacing"] == 1:
+            timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]}
+        else:  # its times stand in it, in front of it here
+            seconds = {"unit": _stated(item, "abscissa_axis_units_lab") or "s"}
+            signals.append(Signal(f"{split_label(label)[0]} time", np.asarray(item["x"]), seconds))
+        signals.append(Signal(label, values, unit | timing))
+    responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
+    for number, item in enumerate([] if signals else responses, start=1):
+        signals += _frequency_response(item, f"{number}/" * (len(responses) > 1))
+    if not signals:
         raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
-    return Table(path, channels, lambda wanted: [arrays[i] for i in wanted])
+    return table_of(path, signals)
 
 
 def _tidied(raw: bytes) -> bytes:
@@ -171,14 +146,17 @@ def _degree(item: dict[str, Any], of: str) -> str:
     return " ".join(filter(None, parts))
 
 
-def _frequency_response(item: dict[str, Any]) -> Iterator[tuple[str, str | None, Array]]:
-    """Yield frequency, amplitude and phase of a frequency response: name, unit and values."""
+def _frequency_response(item: dict[str, Any], folder: str) -> list[Signal]:
+    """Return frequency, amplitude and phase of a frequency response."""
     H, over = np.asarray(item["data"]), _stated(item, "orddenom_axis_units_lab") or "N"
     name = _RESPONSE_TYPES.get(int(item["ordinate_spec_data_type"]), "response")
     unit = _stated(item, "ordinate_axis_units_lab")
-    yield "frequency", "Hz", np.asarray(item["x"], dtype=np.float64)
-    yield name, unit if unit is None or unit.endswith(f"/{over}") else f"{unit}/{over}", np.abs(H)
-    yield "phase", "rad", np.angle(H)
+    per_force = unit if unit is None or unit.endswith(f"/{over}") else f"{unit}/{over}"
+    return [
+        Signal("frequency", np.asarray(item["x"]), {"unit": "Hz"}, folder),
+        Signal(name, np.abs(H), {"unit": per_force}, folder),
+        Signal("phase", np.angle(H), {"unit": "rad"}, folder),
+    ]
 
 
 def tdms_file(path: Path) -> Table:
@@ -189,12 +167,17 @@ def tdms_file(path: Path) -> Table:
     complaints = io.StringIO()
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages
+
+    def read(group: str, name: str, part: Any) -> Any:
+        with open(path, "rb") as stream:
+            return nptdms.TdmsFile.open(stream)[group][name][:][part]
+
     # the file alone, not an index that may lie next to it
     with open(path, "rb") as stream:
         file = nptdms.TdmsFile.open(stream)
         every = (channel for group in file.groups() for channel in group.channels())
-        signals = [c for c in every if c.dtype.kind in "fiu" and len(c)]
-        if not signals:
+        channels = [c for c in every if c.dtype.kind in "fiu" and len(c)]
+        if not channels:
             remedy = "it was cut short, or the recording was not closed"
             raise RecordError(f"{path}: holds no channel of numbers; {remedy}")
         if file.file_status.incomplete_final_segment:
@@ -203,22 +186,15 @@ def tdms_file(path: Path) -> Table:
             )
         if first := complaints.getvalue().partition("\n")[0]:
             raise RecordError(f"{path}: is damaged or was cut short ({first})")
-        several = len({c.group_name for c in signals}) > 1
-        channels = [
-            described(
-                *(path, c.name, len(c), dict(c.properties), unit_among(c.properties)),
-                folder=f"{c.group_name}/" if several else "",
+        several = len({c.group_name for c in channels}) > 1
+        signals = [
+            Signal(
+                *(c.name, Unread((len(c),), partial(read, c.group_name, c.name)), c.properties),
+                folder=f"{c.group_name}/" * several,
             )
-            for c in signals
+            for c in channels
         ]
-        names = [(c.group_name, c.name) for c in signals]
-
-    def load(wanted: Sequence[int]) -> list[Array]:
-        with open(path, "rb") as stream:
-            file = nptdms.TdmsFile.open(stream)
-            return [file[group][name][:] for group, name in (names[i] for i in wanted)]
-
-    return Table(path, channels, load)
+    return table_of(path, signals)
 
 
 def wav_file(path: Path) -> Table:
@@ -244,13 +220,13 @@ def wav_file(path: Path) -> Table:
     table = data.reshape(len(data), -1)
     full = 2.0 ** (8 * data.dtype.itemsize - 1) if data.dtype.kind in "iu" else 1.0
     zero = full if data.dtype.kind == "u" else 0.0
-    names = [f"channel {i + 1}" for i in range(table.shape[1])]
-    channels = [RawChannel(name, size=len(table), rate_hz=float(rate)) for name in names]
 
-    def load(wanted: Sequence[int]) -> list[Array]:
-        return [(np.asarray(table[:, i], dtype=np.float64) - zero) / full for i in wanted]
+    def read(i: int, part: Any) -> Array:
+        return ((np.asarray(table[:, i], dtype=np.float64) - zero) / full)[part]
 
-    return Table(path, channels, load)
+    sizes, known = table.shape[:1], {"sample_rate_hz": rate}
+    signals = (Unread(sizes, partial(read, i)) for i in range(table.shape[1]))
+    return table_of(path, [Signal(f"channel {i}", of, known) for i, of in enumerate(signals, 1)])
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
@@ -268,23 +244,18 @@ def lvm_file(path: Path) -> Table:
         remedy = "a record has one: keep that of one level"
         raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
     segment = document[0]
-    names = [name.strip() for name in segment["Channel names"]]
-    data = segment["data"]
-    if "Comment" in names:
-        data, names = data[:, : names.index("Comment")], names[: names.index("Comment")]
+    names, data = [name.strip() for name in segment["Channel names"]], segment["data"]
     steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
     units = iter(segment.get("Y_Unit_Label", []))
-    channels = []
-    for name in names:
+    signals = []
+    for name, values in zip(names[: [*names, "Comment"].index("Comment")], data.T, strict=False):
         if name == "X_Value":
-            channels.append(RawChannel("time", "s", len(data), label=name))
+            signals.append(Signal(name, values, {"unit": "s"}))
             continue
         step, start = next(steps, 0.0), next(starts, 0.0)
         timing = {"dt": step, "t0": start} if step > 0.0 else {}
-        unit = next(units, "").strip() or None
-        channels.append(described(path, name, len(data), timing, unit))
-    even = all(raw.rate_hz for raw in channels if raw.label != "X_Value")
-    # the header has the digits that a column of times lacks
-    kept = [i for i, raw in enumerate(channels) if not (even and raw.label == "X_Value")]
-    channels = [channels[i] for i in kept]
-    return Table(path, channels, lambda wanted: [data[:, kept[i]] for i in wanted])
+        signals.append(Signal(name, values, timing | {"unit": next(units, "")}))
+    if all("dt" in of.stated for of in signals if of.label != "X_Value"):
+        # the header has the digits that a column of times lacks
+        signals = [of for of in signals if of.label != "X_Value"]
+    return table_of(path, signals)

@@ -11,9 +11,9 @@ import re
 import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -112,7 +112,10 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
     for line in lines:
         bare = line.strip()
         text = bare.lstrip(_COMMENTS).strip() if bare.startswith(tuple(_COMMENTS)) else line
-        cells = _header_cells(text, delimiter, width)
+        cells = _split(text, delimiter) if delimiter != WHITESPACE else text.split()
+        if delimiter == WHITESPACE:  # "x [mm]" is one name, where the number of cells allows
+            ways = (re.split(way, text.strip()) for way in (r"\s{2,}|\t", r"\s+(?![\[(])"))
+            cells = next((apart for apart in ways if len(apart) == width), cells)
         dropped = ("", "comment", "kommentar")
         while len(cells) > width and (len(cells) <= most or cells[-1].lower() in dropped):
             cells.pop()
@@ -192,17 +195,6 @@ def timed(
     return timed_columns
 
 
-def _header_cells(line: str, delimiter: str, width: int) -> list[str]:
-    if delimiter != WHITESPACE:
-        return _split(line, delimiter)
-    # "x [mm]" is one name, where the number of cells allows
-    for pattern in (r"\s{2,}|\t", r"\s+(?![\[(])", r"\s+"):
-        cells = re.split(pattern, line.strip())
-        if len(cells) == width:
-            return cells
-    return line.split()
-
-
 def _are_units(cells: Sequence[str]) -> bool:
     """Return whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
     bare = [cell.strip(_BRACKETS) for cell in cells]
@@ -259,7 +251,8 @@ def _seconds(cells: pd.Series[str]) -> Array:
     return t
 
 
-class _Layout(NamedTuple):
+@dataclass(frozen=True)
+class _Layout:
     """Layout of a delimited text: encoding, delimiter, decimal mark, mark of comments, lines of the header."""
 
     path: Path
@@ -268,18 +261,87 @@ class _Layout(NamedTuple):
     decimal: str
     comment: str
     header_lines: int
+    channels: Sequence[RawChannel]
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
-        numbered = enumerate(_lines(self.path, self.encoding), start=1)
-        for number, line in itertools.islice(numbered, self.header_lines, None):
-            if cells := cells_of(line, self.delimiter, self.comment):
-                yield number, cells
+        with open(self.path, encoding=self.encoding, errors="replace") as stream:
+            for number, line in itertools.islice(enumerate(stream, 1), self.header_lines, None):
+                if cells := cells_of(line, self.delimiter, self.comment):
+                    yield number, cells
 
     def place(self, sample: int) -> str:
         """Return the line of a row, counted from 1."""
         row = next(itertools.islice(self.rows(), sample, None), None)
         return f"line {row[0]}" if row else f"row {sample + 1}"
+
+    def load(self, wanted: Sequence[int]) -> list[Array]:
+        """Return the wanted columns; an empty cell is NaN."""
+        try:
+            return self._columns(wanted, None)
+        except (ValueError, OverflowError, KeyError) as error:  # pandas' own errors are ValueErrors
+            return self._columns(wanted, self._rows_before_text(wanted, str(error)))
+
+    def _columns(self, wanted: Sequence[int], most: int | None) -> list[Array]:
+        import pandas as pd  # slow to import
+
+        stamps = [channel.stamps for channel in self.channels]
+        # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
+        table = pd.read_csv(
+            self.path,
+            header=None,
+            dtype={i: str if stamps[i] else np.float64 for i in wanted},
+            low_memory=False,
+            skiprows=self.header_lines,
+            nrows=most,
+            comment=self.comment,
+            decimal=self.decimal,
+            skipinitialspace=True,
+            sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
+            encoding=self.encoding,
+            encoding_errors="replace",
+            compression=None,
+        )
+        return [_seconds(table[i]) if stamps[i] else np.asarray(table[i]) for i in wanted]
+
+    def _rows_before_text(self, wanted: Sequence[int], fallback: str) -> int:
+        """Return the number of rows before the text at the end of a file, with a warning.
+
+        Raises RecordError for what is wrong with the first row that cannot be read, where rows of numbers follow on it.
+        """
+        faults = list[tuple[int, int, str]]()  # row, line, what is wrong with it
+        for row, (line, cells) in enumerate(self.rows()):
+            fault = self._fault(wanted, cells)
+            if fault:
+                faults.append((row, line, fault))
+            elif faults:
+                break
+        else:
+            if 0 < len(faults) <= LONGEST_TAIL and (ends := faults[0][0]):
+                said = tail(self.path, "line", faults[0][1], faults[-1][1])
+                warnings.warn(RecordWarning(said), stacklevel=2)
+                return ends
+        if faults:
+            raise RecordError(f"{self.path}: line {faults[0][1]}{faults[0][2]}")
+        raise RecordError(f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}")
+
+    def _fault(self, wanted: Sequence[int], cells: Sequence[str]) -> str:
+        """Say what is wrong with the cells of a row; "" for nothing."""
+        width = len(self.channels)
+        if any(cells[width:]) or len(cells) <= max(wanted):
+            remedy = "repair it, or cut the file before it"
+            return f" has {len(cells)} cells, the others {width}; {remedy}"
+        for i in wanted:
+            cell, raw = cells[i], self.channels[i]
+            number = _NUMBER[self.decimal].fullmatch(cell) or cell.lower() in _MISSING
+            if _STAMP.fullmatch(cell) if raw.stamps else number:
+                continue
+            what = f"is not a {'time' if raw.stamps else 'number'}"
+            if _DATE.fullmatch(cell):
+                ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
+                what = f"is a date that can be read in several ways: {ways}"
+            return f", column {shortened(raw.name)}: {shortened(cell)} {what}"
+        return ""
 
 
 def text_file(path: Path, mapping: RecordMapping) -> Table:
@@ -291,11 +353,8 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     text after the last row are left aside, with a warning.
     """
     encoding = _encoding(path)
-    lines: list[str] = []
-    for line in itertools.islice(_lines(path, encoding), _SAMPLE_LINES):
-        lines.append(line)
-        if sum(map(len, lines)) > _SAMPLE_CHARACTERS:
-            break
+    with open(path, encoding=encoding, errors="replace") as stream:
+        lines = stream.readlines(_SAMPLE_CHARACTERS)[:_SAMPLE_LINES]
     begun = (line.lstrip()[:1] for line in lines)
     comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
     possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS
@@ -322,96 +381,9 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     for i, cell in enumerate(rows[0][:width] if rows else []):
         if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
             channels[i] = replace(channels[i], unit="s", stamps=True)
-    layout = _Layout(path, encoding, delimiter, decimal, comment, header)
-
-    def load(wanted: Sequence[int]) -> list[Array]:
-        return _load(layout, channels, wanted)
-
+    layout = _Layout(path, encoding, delimiter, decimal, comment, header, channels)
     with open(path, "rb") as file:
         file.seek(max(0, path.stat().st_size - 4))
         ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
     cut = "its last line has no end; if the file was cut, its last number is wrong"
-    oddity = "" if ended else f"{path}: {cut}"
-    return Table(path, channels, load, layout.place, oddity)
-
-
-def _lines(path: Path, encoding: str) -> Iterator[str]:
-    """Yield the lines of a file."""
-    with open(path, encoding=encoding, errors="replace", newline=None) as stream:
-        yield from stream
-
-
-def _load(layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int]) -> list[Array]:
-    """Return the wanted columns; an empty cell is NaN."""
-    import pandas as pd  # slow to import
-
-    path = layout.path
-    types = {i: str if channels[i].stamps else np.float64 for i in wanted}
-
-    def rows(most: int | None) -> list[Array]:
-        # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
-        table = pd.read_csv(
-            path,
-            header=None,
-            dtype=types,
-            low_memory=False,
-            skiprows=layout.header_lines,
-            nrows=most,
-            comment=layout.comment,
-            decimal=layout.decimal,
-            skipinitialspace=True,
-            sep=r"\s+" if layout.delimiter == WHITESPACE else layout.delimiter,
-            encoding=layout.encoding,
-            encoding_errors="replace",
-            compression=None,
-        )
-        return [_seconds(table[i]) if channels[i].stamps else np.asarray(table[i]) for i in wanted]
-
-    try:
-        return rows(None)
-    except (ValueError, OverflowError, KeyError) as error:  # pandas' own errors are ValueErrors
-        return rows(_rows_before_text(layout, channels, wanted, str(error)))
-
-
-def _rows_before_text(
-    layout: _Layout, channels: Sequence[RawChannel], wanted: Sequence[int], fallback: str
-) -> int:
-    """Return the number of rows before the text at the end of a file, with a warning.
-
-    Raises RecordError for what is wrong with the first row that cannot be read, where rows of numbers follow on it.
-    """
-    path, ends, said, lines = layout.path, 0, shortened(fallback, 200)[1:-1], list[int]()
-    for row, (number, cells) in enumerate(layout.rows()):
-        fault = _fault(channels, wanted, cells, layout.decimal)
-        if fault and not lines:
-            ends, said = row, f"line {number}{fault}"
-        if lines and not fault:
-            break
-        if fault:
-            lines.append(number)
-    else:
-        if 0 < len(lines) <= LONGEST_TAIL and ends:
-            warnings.warn(RecordWarning(tail(path, "line", lines[0], lines[-1])), stacklevel=2)
-            return ends
-    raise RecordError(f"{path}: {said}" if lines else f"{path}: cannot be read: {said}")
-
-
-def _fault(
-    channels: Sequence[RawChannel], wanted: Sequence[int], cells: Sequence[str], decimal: str
-) -> str:
-    """Say what is wrong with the cells of a row; "" for nothing."""
-    width = len(channels)
-    if any(cells[width:]) or len(cells) <= max(wanted):
-        remedy = "repair it, or cut the file before it"
-        return f" has {len(cells)} cells, the others {width}; {remedy}"
-    for i in wanted:
-        cell, time = cells[i], channels[i].stamps
-        number_like = _NUMBER[decimal].fullmatch(cell) or cell.lower() in _MISSING
-        if _STAMP.fullmatch(cell) if time else number_like:
-            continue
-        what = f"is not a {'time' if time else 'number'}"
-        if _DATE.fullmatch(cell):
-            ways = "write 2026-03-01T12:00:00.5, or give sample_rate_hz instead"
-            what = f"is a date that can be read in several ways: {ways}"
-        return f", column {shortened(channels[i].name)}: {shortened(cell)} {what}"
-    return ""
+    return Table(path, channels, layout.load, layout.place, "" if ended else f"{path}: {cut}")

@@ -1,20 +1,16 @@
-"""Signals of one response as a laboratory hands them over: channels by quantity, each with its own times.
-
-A measurement is not yet a `Record`: its channels may have different time bases, offsets and noise, and the base may
-have been measured as displacement, acceleration or force. `signals/conditioning.py` makes the one out of the other.
-"""
+"""A channel of a record: what it may hold, its samples, and what its transducer and filters are known to do to them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arguments import floats, instance, items, mapping, one_of, text
-from ..arrays import Array, Complexes, Mask, ReadOnly
+from ..arguments import floats, one_of, text
+from ..arrays import Array, Complexes, Mask
 from .clock import uneven
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST, RecordError
@@ -200,85 +196,3 @@ def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -
             f"{source}: {first[ROTATION]!r} rotates and {first[TRANSLATION]!r} moves along a line, and a record does "
             "one of the two: name the channels to read in its mapping"
         )
-
-
-@dataclass(frozen=True, eq=False)
-class Measurement:
-    """The channels of one response: an excitation, unless it is a free decay, and at least one response.
-
-    source : where it comes from (a path), for messages.   channels : by quantity.
-
-    Raises ValueError naming the source when there is no response, or more than one excitation.
-    """
-
-    source: str
-    channels: Mapping[str, Channel]
-
-    def __post_init__(self) -> None:
-        text("source", self.source)
-        channels = mapping("channels", self.channels, "a mapping of quantities to channels")
-        object.__setattr__(self, "channels", ReadOnly(channels))
-        for quantity, channel in channels.items():
-            if quantity != instance(quantity, channel, Channel).quantity:
-                held = f"the channel under {quantity!r} holds {channel.quantity!r}"
-                raise ValueError(f"{self.source}: {held}")
-        require_one_coordinate(
-            self.source, {channel.name: channel.coordinate for channel in self.channels.values()}
-        )
-        driving = [q for q in EXCITATIONS if q in self.channels]
-        if len(driving) > 1:
-            needed = f"one excitation ({', '.join(EXCITATIONS)}), or none for a free decay"
-            raise ValueError(f"{self.source}: needs {needed}, found {' and '.join(driving)}")
-        if not self.responses:
-            needed = f"a response ({', '.join(RESPONSES)})"
-            raise ValueError(f"{self.source}: needs {needed}, found none")
-
-    @classmethod
-    def of(cls, source: str, channels: Iterable[Channel]) -> Measurement:
-        """Return a measurement of the channels given. Raises ValueError when two hold the same quantity."""
-        by_quantity: dict[str, Channel] = {}
-        for channel in items("channels", channels, "a sequence of channels"):
-            instance("each of the channels", channel, Channel)
-            other = by_quantity.setdefault(channel.quantity, channel)
-            if other is not channel:
-                one, two = ((of.name, of.coordinate) for of in (other, channel))
-                require_one_coordinate(source, dict([one, two]))
-                both = f"the channels {other.name!r} and {channel.name!r}"
-                raise ValueError(f"{source}: {both} both hold {channel.quantity}")
-        return cls(source, by_quantity)
-
-    def corrected(self) -> Measurement:
-        """Return the measurement with the known gain, delay and filters of each channel taken off its samples."""
-        return replace(self, channels={q: of.corrected() for q, of in self.channels.items()})
-
-    @property
-    def coordinate(self) -> Coordinate:
-        """Whether it moves along a line or rotates."""
-        return next(iter(self.channels.values())).coordinate
-
-    def __getitem__(self, quantity: str) -> Channel:
-        return self.channels[quantity]
-
-    def __contains__(self, quantity: object) -> bool:
-        return quantity in self.channels
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.channels)
-
-    @property
-    def driven(self) -> bool:
-        """Whether there is an excitation."""
-        return any(q in self.channels for q in EXCITATIONS)
-
-    @property
-    def excitation(self) -> Channel:
-        """The channel that drives the oscillator. Raises ValueError where there is none."""
-        if not self.driven:
-            needed = f"one excitation ({', '.join(EXCITATIONS)})"
-            raise ValueError(f"{self.source}: needs {needed}, found none")
-        return next(self.channels[q] for q in EXCITATIONS if q in self.channels)
-
-    @property
-    def responses(self) -> tuple[Channel, ...]:
-        """The channels of the mass, in the order of `RESPONSES`."""
-        return tuple(self.channels[q] for q in RESPONSES if q in self.channels)

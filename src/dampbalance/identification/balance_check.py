@@ -1,0 +1,129 @@
+"""What the balance of energy shows by itself, and where it contradicts the fit of one oscillator, whose check it is."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..balance import Rows
+from ..findings.finding import UNBOUNDED, Finding
+from ..fit.oscillator_fit import OscillatorFit
+from ..law.terms import FRICTION, term
+from ..project.wording import listed
+from ..signals.checks import is_clipped
+from ..signals.mean_harmonics import Reading
+from ..signals.thresholds import SHOWS
+from ..solver import solve
+from .answer import Answer, ParameterEstimate
+from .oscillator import JointFit
+
+
+def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Finding]:
+    """Yield what one must know, in addition to its own notes, before using the answer of the balance."""
+    clipped = [
+        f"{quantity} of {reading.steady.source}"
+        for reading in readings
+        for quantity, harmonics in reading.steady.channels.items()
+        if is_clipped(harmonics)
+    ]
+    yield from forbidden(answer.coefficients, clipped)
+    if joint.frictionless:
+        yield Finding("no friction column")
+    elif joint.stuck is not None:
+        unsure, of = joint.stuck.sticks is None, answer.coefficients
+        limits = tuple((s, *p.interval) for s, p in of.items() if term(s).symbol == FRICTION)
+        effect = {s: math.inf for s in of if s == FRICTION and unsure}
+        yield Finding("hardly any friction", {"limits": limits, "unsure": unsure}, effect)
+    elif not joint.waveforms_hold and not answer.notes:
+        if joint.fit is None:
+            yield Finding("onset of a rigid one", effect=UNBOUNDED)
+        else:
+            yield Finding("onset of the closest", effect=_by_half_the_stick(answer, readings))
+        if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
+            times = {"times": math.sqrt(answer.misfit)}
+            yield Finding("rows scatter", times, by_scatter(answer.coefficients, answer.misfit))
+    if joint.in_rows:
+        apart = {key: joint.closest.value(key) for key in answer.coefficients}
+        off = {
+            s: abs(p.value / (apart[s] or math.inf) - 1.0) for s, p in answer.coefficients.items()
+        }
+        yield Finding("rows uncorrected", effect=off)
+
+
+def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
+    """Return by what part each coefficient may be off where the rows scatter as much as this χ² per degree of
+    freedom says: its interval, as many times as wide."""
+    return {symbol: math.sqrt(misfit) * p.within for symbol, p in coefficients.items()}
+
+
+def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str, float]:
+    """Return by what part each coefficient changes where the stick distance λ = 4X − a is off by half of it."""
+    assert answer.balance is not None
+    rows, errors = answer.balance.rows, answer.balance.errors
+    weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
+    stick = np.array([reading.stick_travel for reading in readings])
+    terms = {
+        key: g + 0.5 * stick if term(key).symbol == FRICTION else g for key, g in rows.terms.items()
+    }
+    shifted = solve(replace(rows, terms=terms, weights=weights))
+    return {
+        symbol: abs(float(value) / answer.values[symbol] - 1.0)
+        for symbol, value in shifted.values.items()
+        if answer.values.get(symbol)
+    }
+
+
+def forbidden(
+    coefficients: Mapping[str, ParameterEstimate], clipped: Sequence[str], code: str = "negative"
+) -> list[Finding]:
+    """Return a finding for each coefficient whose whole interval is negative.   clipped : names of clipped signals."""
+    names = listed([*clipped])
+    return [
+        Finding(code, {"value": ((symbol, p.value),), "clipped": names}, UNBOUNDED)
+        for symbol, p in coefficients.items()
+        if p.interval.high < 0.0
+    ]
+
+
+def contradiction(
+    answer: Answer, fit: OscillatorFit, least: float = 4e-7, wider: float = 1.0
+) -> Iterator[Finding]:
+    """Yield a finding where the balance contradicts the fit to all records by more than their errors allow.
+
+    least : relative difference that counts, above the errors of the balance itself: by default those of rounding in
+    integrals of exact waveforms.
+    wider : factor of the errors of the balance.
+    """
+    changes, effect = [], {}
+    for symbol, own in answer.coefficients.items():
+        of_fit, error = fit.value(symbol), wider * own.standard_error
+        # the fit uses all that the balance uses: the variance of their difference is that of their variances
+        of_both = math.sqrt(max(error**2 - fit.error(symbol) ** 2, 0.0))
+        most = math.sqrt(SHOWS)
+        allowed = max(most * of_both, 0.5 * most * error, least * abs(of_fit))
+        if abs(own.value - of_fit) > allowed and of_fit:
+            changes.append((symbol, of_fit, own.value - of_fit))
+            effect[symbol] = abs(own.value / of_fit - 1.0)
+    if changes:
+        yield Finding("contradicts", {"changes": tuple(changes)}, effect)
+
+
+def alike(answer: Answer) -> Iterator[Finding]:
+    """Yield a finding where the rows of the balance hardly distinguish its coefficients."""
+    rows = None if answer.balance is None else answer.balance.rows
+    # errors are fifty times those of a single unknown
+    if rows is not None and rows.usable.sum() > 1 and _sine(rows) < 0.02:
+        symbols = tuple(answer.coefficients)
+        yield Finding("alike", {"symbols": symbols}, dict.fromkeys([*symbols, "K_z"], math.inf))
+
+
+def _sine(rows: Rows) -> float:
+    """Return the smallest sine of the angle that a column of the balance makes with those before it, each row counted
+    by the parts of its work: of the largest motion alone, all small ones would look alike."""
+    used = rows.usable & (rows.W != 0.0)
+    columns = [g[used] / rows.W[used] for s, g in rows.terms.items() if s not in rows.given]
+    unit = np.column_stack([g / np.linalg.norm(g) for g in columns])
+    return float(np.min(np.abs(np.diag(np.linalg.qr(unit)[1]))))

@@ -1,0 +1,156 @@
+"""What the fit of one oscillator to all forced records shows: departures, a wrong mass or stiffness, a contact that
+sticks, records that no oscillator explains."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy import special
+
+from ..findings.finding import Finding
+from ..fit.fundamentals import FundamentalFit
+from ..fit.goodness import LinearFit
+from ..fit.oscillator_fit import OscillatorFit
+from ..fit.waveforms import WaveformFit
+from ..signals.mean_harmonics import Reading
+from ..signals.thresholds import P_CAUSE, SHOWS
+from .answer import Answer
+from .balance_check import alike, contradiction
+from .causes import departure, doubts_of, hint_of, likeliest, shown_by
+from .oscillator import JointFit, Microstick
+
+_STUCK = {True: "stuck", False: "loose", None: "linear"}
+
+
+def on_records(readings: Sequence[Reading], joint: JointFit) -> list[Finding]:
+    """Return the findings on single records. A drive that is not harmonic spares the fit to the fundamentals where that
+    leaves no more than noise."""
+    alone = joint.fundamentals
+    holds = alone is not None and special.chdtrc(alone.freedom, alone.chi_square) > P_CAUSE
+    found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
+    harmless = {"base": "base within noise"} if holds else {}
+    return [replace(one, code=harmless.get(one.code, one.code)) for one in found]
+
+
+def agreement(
+    readings: Sequence[Reading],
+    microstick: Microstick,
+    joint: JointFit,
+    direct: Answer,
+) -> Iterator[Finding]:
+    """Yield findings on all records together: what the joint fit shows, which levels fail, where the balance by direct
+    integration contradicts."""
+    yield from _on_the_oscillator(readings, joint)
+    if still := _numbered(reading.slips is False for reading in readings):
+        yield Finding("only sticks", {"records": still})
+    if joint.waveforms_hold and not microstick.resolved:
+        yield Finding("unresolved", effect={"K_z": math.inf})
+    fit = joint.fit
+    if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
+        yield Finding("skewed", {"by": 1e-6 * fit.k}, {"c": math.inf, "c_r": math.inf})
+    if fit is not None and joint.waveforms_hold and not joint.in_rows:
+        yield from contradiction(direct, fit)
+    yield from alike(direct)
+
+
+def _numbered(which: Iterable[bool]) -> str:
+    """Return numbers of the records for which something holds: "1, 3"."""
+    return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
+
+
+def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Finding]:
+    """Yield findings from the joint fit."""
+    if joint.stuck is not None:
+        yield Finding(_STUCK[joint.stuck.sticks])
+        yield from _too_stiff(readings, joint.stuck, joint.mass)
+        return
+    fit, alone = joint.fit, joint.fundamentals
+    if joint.explained:
+        yield shown_by(joint.explained, joint.fall)
+    if joint.hinted and fit is not None:
+        yield hint_of(joint.hinted, joint.fall, fit)
+    if joint.mass is not None and not joint.mass_fits:
+        by_force = any("force" in reading.steady.channels for reading in readings)
+        yield on_mass(joint.closest, joint.mass, by_force)
+    if fit is None:
+        yield Finding("no oscillator")
+    elif not fit.adequate and not joint.explained:
+        yield _none_fits(readings, fit, alone)
+
+
+def _too_stiff(
+    readings: Sequence[Reading], stuck: LinearFit, mass: float | None
+) -> Iterator[Finding]:
+    """Yield a finding where a contact that only sticks would have a stiffness below zero: the stiffness that is given
+    is too high by as much at least, as a contact adds to that of the spring."""
+    if stuck.contact >= -math.sqrt(SHOWS) * stuck.contact_error:
+        return
+    steady = readings[0].steady
+    of_base = "force" not in steady.channels and steady.base_mass is None and mass is not None
+    # a base that moves tells k/m, a force k itself
+    left = (mass or 0.0) * stuck.by_mass if of_base else stuck.k + stuck.contact
+    too_high = -stuck.contact / left if left > 0.0 else 0.0
+    yield Finding("too stiff", {"too_high": too_high}, {"": too_high or math.inf})
+
+
+def _none_fits(
+    readings: Sequence[Reading], fit: WaveformFit, alone: FundamentalFit | None
+) -> Finding:
+    """Return the finding on records that no oscillator explains, whatever departure it has.
+
+    alone : the fit to their fundamentals, whose numbers the likeliest departure moves to first order.
+    """
+    likely: dict[str, Any] = {}
+    doubts: Mapping[str, float] = {}
+    if cause := likeliest(fit):
+        share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
+        likely = {"likely": departure(cause.symbol, cause.value, cause.error), "share": share}
+        # the numbers are off by the cause of most of it
+        if share > 0.5 and alone is not None and not alone.has(cause.symbol):
+            doubts = doubts_of(cause, fit)
+    worst = readings[int(np.argmax(fit.misfits))].steady.source
+    of = {"trials": fit.evaluations, "times": math.sqrt(fit.misfit), "worst": worst}
+    return Finding("far from all", {**of, **likely}, doubts)
+
+
+def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:
+    """Return the finding that a mass is not that of the records, and that each number may be off by as much.
+
+    m, c, k, K_z and F_k times a number are an oscillator of the same motion: where the mass is right, the stiffness is
+    likely wrong, and all numbers by as much.
+
+    mass : kg, as given.   by_force : whether a load cell measures what drives, and feels what is between.
+    """
+    numbers = {
+        "masses": (fit.m, mass),
+        "fixture": by_force and 0.5 < mass / fit.m < 1.0,
+        "meant": tuple(_mistaken_unit(mass / fit.m, fit.k, mass)),
+    }
+    return Finding("mass", numbers, {"": abs(mass / fit.m - 1.0)})
+
+
+def _mistaken_unit(ratio: float, k: float, mass: float) -> Iterator[tuple[str, float, str]]:
+    """Yield symbol, number and unit that may be meant, where the ratio of the mass given to that of the records is that
+    of two units."""
+    for (symbol, unit), factor in _MISTAKEN.items():
+        if abs(ratio / factor - 1.0) < _CLOSE:
+            yield symbol, k if symbol == "k" else mass, unit
+
+
+_CLOSE = 0.03  # relative: what a gain and a mass that nobody weighed leave between two units
+_MISTAKEN = {  # quantity and its unit → how many times the given number is too large a mass, or too small a stiffness
+    ("k", "N/mm"): 1000.0,
+    ("m", "g"): 1000.0,
+    ("k", "N/cm"): 100.0,
+    ("k", "kgf/m"): 9.80665,
+    ("m", "N"): 9.80665,
+    ("k", "kgf/mm"): 9806.65,
+    ("k", "lbf/in"): 175.127,
+    ("k", "lbf/ft"): 14.5939,
+    ("m", "lb"): 2.20462,
+    ("m", "oz"): 35.274,
+}

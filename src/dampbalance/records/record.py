@@ -1,0 +1,140 @@
+"""A record as an identification takes it: the channels of one response, in SI units, each with its own times.
+
+The channels may have different time bases, offsets and noise, and the base may have been measured as displacement,
+acceleration or force. `signals/conditioning.py` makes harmonics of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arguments import instance, items, mapping, text
+from ..arrays import ReadOnly
+from ..findings.finding import Finding
+from ..findings.words import sentence
+from ..project.wording import listed
+from .channel import EXCITATIONS, RESPONSES, Channel, mean_rate, require_one_coordinate
+from .coordinate import TRANSLATION, Coordinate
+from .mapping import RecordMapping
+from .units import column_name
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Record:
+    """One record, of a steady response at one level of excitation or of free decays: its channels by quantity, an
+    excitation, unless it is a free decay, and at least one response.
+
+    name : for messages and tables; the path of a file.   channels : by quantity, `record["displacement"]`.
+    label : of its level, for plots; the name where it is empty.   rules : what its mapping says.
+    warnings : what is odd about it.   files : digests of what it was read from.
+
+    Raises ValueError naming the record when there is no response, or more than one excitation.
+    """
+
+    name: str
+    channels: Mapping[str, Channel]
+    label: str = ""
+    rules: RecordMapping = field(default_factory=RecordMapping)
+    warnings: tuple[Finding, ...] = ()
+    files: Mapping[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        text("name", self.name)
+        channels = mapping("channels", self.channels, "a mapping of quantities to channels")
+        self.__dict__.update(channels=ReadOnly(channels), label=self.label or self.name)
+        for quantity, channel in channels.items():
+            if quantity != instance(quantity, channel, Channel).quantity:
+                held = f"the channel under {quantity!r} holds {channel.quantity!r}"
+                raise ValueError(f"{self.name}: {held}")
+        require_one_coordinate(self.name, {of.name: of.coordinate for of in channels.values()})
+        driving = [q for q in EXCITATIONS if q in channels]
+        if len(driving) > 1:
+            needed = f"one excitation ({', '.join(EXCITATIONS)}), or none for a free decay"
+            raise ValueError(f"{self.name}: needs {needed}, found {' and '.join(driving)}")
+        if not self.responses:
+            needed = f"a response ({', '.join(RESPONSES)})"
+            raise ValueError(f"{self.name}: needs {needed}, found none")
+
+    @classmethod
+    def of(cls, name: str, channels: Iterable[Channel]) -> Record:
+        """Return a record of the channels given. Raises ValueError when two hold the same quantity."""
+        by_quantity: dict[str, Channel] = {}
+        for channel in items("channels", channels, "a sequence of channels"):
+            instance("each of the channels", channel, Channel)
+            other = by_quantity.setdefault(channel.quantity, channel)
+            if other is not channel:
+                one, two = ((of.name, of.coordinate) for of in (other, channel))
+                require_one_coordinate(name, dict([one, two]))
+                both = f"the channels {other.name!r} and {channel.name!r}"
+                raise ValueError(f"{name}: {both} both hold {channel.quantity}")
+        return cls(name, by_quantity)
+
+    def __getitem__(self, quantity: str) -> Channel:
+        return self.channels[quantity]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.channels)
+
+    def __contains__(self, quantity: object) -> bool:
+        return quantity in self.channels
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What it holds, by the names of `records.channel.QUANTITIES`."""
+        return tuple(self.channels)
+
+    def corrected(self) -> Record:
+        """Return the record with the known gain, delay and filters of each channel taken off its samples."""
+        return replace(self, channels={q: of.corrected() for q, of in self.channels.items()})
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """Whether it moves along a line or rotates."""
+        return next((of.coordinate for of in self.channels.values()), TRANSLATION)
+
+    @property
+    def driven(self) -> bool:
+        """Whether there is an excitation; without one it is of free decays."""
+        return not self.channels.keys().isdisjoint(EXCITATIONS)
+
+    @property
+    def excitation(self) -> Channel:
+        """The channel that drives the oscillator. Raises ValueError where there is none."""
+        if not self.driven:
+            needed = f"one excitation ({', '.join(EXCITATIONS)})"
+            raise ValueError(f"{self.name}: needs {needed}, found none")
+        return next(self[q] for q in EXCITATIONS if q in self)
+
+    @property
+    def responses(self) -> tuple[Channel, ...]:
+        """The channels of the mass, in the order of `RESPONSES`."""
+        return tuple(self[q] for q in RESPONSES if q in self)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
+
+        Raises ValueError where the channels have different times.
+        """
+        import pandas as pd  # slow to import
+
+        channels = [*self.channels.values()]
+        if not all(np.array_equal(of.t, channels[0].t) for of in channels):
+            remedy = "take each from the record by its quantity"
+            raise ValueError(f"{self.name}: its channels have different times; {remedy}")
+        columns = {column_name(of.quantity, of.coordinate): of.as_recorded for of in channels}
+        return pd.DataFrame(columns, index=pd.Index(channels[0].t, name="time_s"))
+
+    def __repr__(self) -> str:
+        """Return the contents of the record in a line."""
+        held = listed([self.coordinate.noun(quantity) for quantity in self.quantities])
+        t = max((of.t for of in self.channels.values()), key=len)
+        sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
+        odd = [sentence(one, self.coordinate) for one in self.warnings]
+        return f"<record {self.name}: {'; '.join([held, sampled, *odd])}>"
