@@ -419,7 +419,7 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
         ([ONE, __file__, *COMMON], "test_commands.py"),
         ([*TWO, "--frequency", "7"], "not at the 7 Hz given"),
         ([*TWO, "--terms", "F_k,d"], "unknown term 'd'; known are F_k, c, "),
-        ([*TWO, "--groups", "F_k=A,"], "the groups of F_k must be names"),
+        ([*TWO, "--groups", "F_k=A,"], "must be TERM=LABELS with a label for each record"),
         ([*TWO, *["--given", "c=1"] * 2], "--given: c is named twice: leave out one"),
     ],
 )

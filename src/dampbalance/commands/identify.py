@@ -46,9 +46,9 @@ from typing import Any, get_args
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..project.files import json_text, replacing, write_text
 from ..project.options import IN_WORDS, OPTIONS, Option
-from ..project.wording import listed, shortened
+from ..project.wording import listed
 from ..records.quantities import with_error
-from .options import FILE, argument, coefficients, read_by, whole
+from .options import FILE, argument, coefficients, labels, read_by, whole
 
 _SCREEN = Path("-")
 
@@ -126,16 +126,6 @@ def _write_mapping(options: argparse.Namespace) -> None:
     print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
 
 
-def _labels(text: str) -> dict[str, str]:
-    """Parse an argument: a term and a label for each record, F_k=A,A,B."""
-    name, equals, labels = text.partition("=")
-    if not equals:
-        raise argparse.ArgumentTypeError(
-            f"must be TERM=LABELS with a label for each record, as in F_k=A,A,B, got {shortened(text)}"
-        )
-    return {name.strip(): labels}
-
-
 def _written(option: Option) -> Callable[[str], str]:
     """Return a type of argument: a number as it stands, with its unit, its uncertainty and its digits."""
 
@@ -164,7 +154,7 @@ _FORMS: Mapping[str, Callable[[Option], dict[str, Any]]] = {
     "path": lambda of: FILE,
     "names": lambda of: {"metavar": of.name.upper()},
     "coefficients": lambda of: {"type": coefficients, "action": "append", "metavar": "TERM=VALUE"},
-    "labels": lambda of: {"type": _labels, "action": "append", "metavar": "TERM=A,A,B"},
+    "labels": lambda of: {"type": labels, "action": "append", "metavar": "TERM=A,A,B"},
     "choice": lambda of: {"choices": get_args(of.type)},
 }
 """Form of the value of an option → what argparse takes of it."""
