@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-import yaml
-
+from dampbalance.project.case import read_case_schema
+from dampbalance.project.documents import read_schema
 from folders import ROOT
 
 SCHEMAS = {
@@ -17,11 +17,15 @@ SCHEMAS = {
 _INSIDE = {"items": "[]", "additionalProperties": ".*"}
 
 
+def schema_of(name: str) -> Any:
+    """A schema, with the keys that a configuration has of a table."""
+    return read_case_schema() if name == "config" else read_schema(ROOT / SCHEMAS[name])
+
+
 def values(kinds: set[str]) -> Iterator[tuple[str, dict[str, Any]]]:
     """("config: measured[].records[]", its schema) of every value that may be of one of these types."""
-    for name, file in SCHEMAS.items():
-        schema = yaml.safe_load((ROOT / file).read_text(encoding="utf-8"))
-        for key, node in _below(schema, ""):
+    for name in SCHEMAS:
+        for key, node in _below(schema_of(name), ""):
             stated = node.get("type", [])
             if kinds & ({stated} if isinstance(stated, str) else {*stated}):
                 yield f"{name}: {key.removeprefix('.')}", node

@@ -12,7 +12,6 @@ from operator import getitem, itemgetter
 from pathlib import Path
 from typing import Any
 
-import yaml
 from docstrings import markup
 from docutils import nodes
 from docutils.utils.math.latex2mathml import tex2mathml
@@ -27,6 +26,8 @@ from sphinxcontrib.programoutput import run_programs
 import dampbalance
 from dampbalance.balance import APPROACHES
 from dampbalance.law.terms import KNOWN_TERMS
+from dampbalance.project.case import SCHEMA, read_case_schema
+from dampbalance.project.documents import read_schema
 from dampbalance.project.wording import in_markdown, markdown_table
 from dampbalance.publishing.site import PAGES
 
@@ -134,7 +135,8 @@ class Keys(SphinxDirective):
         """Read the schema and set its table."""
         _, path = self.env.relfn2path(self.arguments[0])
         self.env.note_dependency(path)
-        schema = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+        case = Path(path).samefile(SCHEMA)
+        schema = read_case_schema() if case else read_schema(path)
         table = markdown_table(["key", "type", "meaning"], list(keys_of(schema, schema)))
         return self.parse_text_to_nodes(table)
 

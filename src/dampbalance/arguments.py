@@ -43,10 +43,9 @@ class Bounds(NamedTuple):
 
 
 NUMBERS: Mapping[str, Bounds] = {
-    **dict.fromkeys(("m", "mass", "fixture_mass"), Bounds("kg")),
+    "m": Bounds("kg"),
     "c": Bounds("N s/m", 0.0),
-    **dict.fromkeys(("k", "stiffness", "fixture_stiffness"), Bounds("N/m")),
-    "normal_force": Bounds("N"),
+    "k": Bounds("N/m"),
     "K_z": Bounds("N/m", remedy="use a large finite K_z for a rigid contact"),
     "F_k": Bounds("N", 0.0),
     "Y": Bounds("m"),
@@ -66,35 +65,36 @@ NUMBERS: Mapping[str, Bounds] = {
     "noise": Bounds(low=0.0, high=1e6, remedy="it is a part of the signal: 0.01 is 1 %"),
     "given": Bounds(low=0.0),
     "seed": Bounds("", 0, _WORD),
-    **dict.fromkeys(("skip_cycles", "stick_samples"), Bounds("", 0, _WORD)),
+    "stick_samples": Bounds("", 0, _WORD),
     "threads": Bounds("", 1, _WORD),
     "count": Bounds("harmonics", 1, 10_000),
     "n": Bounds("", 1, 5),
     "decimals": Bounds("", -15, 30),
     "block": Bounds("samples", 3, _WORD),
 }
-"""Each number that a public function takes, by the name of its argument; bounds that are integers: whole numbers."""
+"""Numbers that public functions take, by the name of the argument; bounds that are integers: whole numbers. Those of an
+identification are in `project.options`."""
 
 
-def number(name: str, value: object, label: str = "") -> float:
-    """Return a number of the table as a float.   label : what messages call it; default, its name."""
-    bounds = NUMBERS[name]
+def number(name: str, value: object, bounds: Bounds | None = None) -> float:
+    """Return a number as a float.   bounds : default, those of its name in the table."""
+    bounds = bounds or NUMBERS[name]
     if type(value) is float and bounds.low <= value <= bounds.high:  # nearly always
         return value
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
-        refuse(label or name, bounds, value)
+        refuse(name, bounds, value)
     try:
         plain = float(value)
     except OverflowError:
         plain = math.inf
     if not bounds.low <= plain <= bounds.high:
-        refuse(label or name, bounds, value)
+        refuse(name, bounds, value)
     return plain
 
 
-def whole(name: str, value: object) -> int:
-    """Return a whole number of the table, which may be written as 5e8."""
-    bounds = NUMBERS[name]
+def whole(name: str, value: object, bounds: Bounds | None = None) -> int:
+    """Return a whole number, which may be written as 5e8.   bounds : default, those of its name in the table."""
+    bounds = bounds or NUMBERS[name]
     if isinstance(value, float | np.floating) and float(value).is_integer():
         value = int(value)
     if isinstance(value, bool) or not (

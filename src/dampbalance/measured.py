@@ -1,24 +1,22 @@
-"""Identify damping and contact from measured records of any kind, or a configured set of them: `identify`."""
+"""Identify damping and contact from measured records of any kind: `identify`."""
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
-from .arguments import one_of, shown
+from .arguments import one_of
 from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
 from .identification.loading import keeps_moving
-from .identification.request import IN_WORDS, Stated
 from .identification.result import Result
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
 from .loops.answer import identify_loops as identify_loops
-from .project.wording import listed
+from .project.options import AnyOptions, Stated, asked, with_options
 from .records.channel import ACCOMPANYING
 from .records.mapping import MappingLike
 from .records.measured import as_records
@@ -37,10 +35,7 @@ WAYS: Mapping[str, Callable[..., Result[Any]]] = {
     "stepped-sine": identify_joint,
     "loops": identify_loops,
 }
-"""The function that identifies each kind of records; its signature says which options apply."""
-
-OPTIONS = {kind: inspect.signature(way).parameters for kind, way in WAYS.items()}
-"""Kind of records → name of an argument → its parameter."""
+"""The function that identifies each kind of records."""
 
 
 def read_records(
@@ -83,19 +78,20 @@ def read_records(
     return as_records(records, mapping=mapping, free=free, reader=reader)
 
 
+@with_options(AnyOptions)
 def identify(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
     kind: Kind = "recognised",
-    **options: Any,
+    **options: Unpack[AnyOptions],
 ) -> Result[Any]:
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
     The records are recognised and handed over: forced records to `identify_forced`, free decays to `identify_decays`,
     tables of a stepped sine to `identify_joint`, measured loops to `identify_loops`. Their signatures are the options
-    that apply.
+    that apply; one at its default may be given for any kind.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
     stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
@@ -104,7 +100,7 @@ def identify(
     kind : "forced", "ring-down", "stepped-sine" or "loops", where it is not to be recognised: tables by their columns
     of frequency and phase, measured loops by force and displacement or velocity where neither stiffness nor mass is
     given, forced records by an excitation channel that keeps moving.
-    options : of the function for the kind. One at its default may be given for any kind.
+    {options}
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option
     that does not apply to the kind, records of several kinds, and what the function for the kind refuses.
@@ -121,22 +117,16 @@ def identify(
     """
     one_of("kind", kind, get_args(Kind))
     recognised = kind == "recognised"
-    defaults = {name: of.default for each in OPTIONS.values() for name, of in each.items()}
-    if unknown := sorted(options.keys() - defaults.keys()):
-        raise TypeError(f"identify() got an unexpected keyword argument {unknown[0]!r}")
+    given = asked(kind, {"stiffness": stiffness, **options})
     if recognised:
         records = read_records(records, mapping=mapping)
         if not all(record.channels for record in records):
             kind = "stepped-sine"
-        elif stiffness is None and options.get("mass") is None and all(map(_is_loop, records)):
+        elif not {"stiffness", "mass"} & given.keys() and all(map(_is_loop, records)):
             kind = "loops"
         else:
             kind = "forced" if all(map(keeps_moving, records)) else "ring-down"
-    asked = {name: value for name, value in options.items() if value is not defaults[name]}
-    for name, value in asked.items():
-        if words := _misplaced(kind, name):
-            raise ValueError(f"{name} = {shown(value)} {words}")
-    found = WAYS[kind](records, stiffness, mapping=mapping, **asked)
+    found = WAYS[kind](records, mapping=mapping, **given)
     if recognised and kind == "loops":
         found = replace(found, check=[*(found.check or ()), Finding("taken for loops")])
     return found
@@ -147,61 +137,3 @@ def _is_loop(record: Record) -> bool:
     normal force."""
     moving = {*record.quantities} - {*ACCOMPANYING, "force"}
     return moving in ({"displacement"}, {"velocity"}) and keeps_moving(record)
-
-
-def _misplaced(kind: str, name: str) -> str:
-    """Return the reason why an argument does not apply to a kind of records; empty where it does."""
-    if name in OPTIONS[kind]:
-        return ""
-    kinds = [IN_WORDS[other] for other, parameters in OPTIONS.items() if name in parameters]
-    return f"is for {listed(kinds, 'or')}, and these are {IN_WORDS[kind]}: leave it out"
-
-
-# --- a set of records in a configuration ----------------------------------------------------------
-
-_ARGUMENTS = {
-    **dict.fromkeys(("stiffness_N_per_m", "stiffness_standard_error_N_per_m"), "stiffness"),
-    **dict.fromkeys(("mass_kg", "mass_standard_error_kg"), "mass"),
-    "frequency_hz": "frequency",
-    "fixture_mass_kg": "fixture_mass",
-    "normal_force_N": "normal_force",
-    "fixture_stiffness_N_per_m": "fixture_stiffness",
-}
-"""Key of a configuration → argument, where their names differ."""
-
-_UNCERTAINTIES = {
-    "stiffness_standard_error_N_per_m": "stiffness_N_per_m",
-    "mass_standard_error_kg": "mass_kg",
-}
-"""Key of a standard uncertainty → key of the number that has it."""
-
-
-def not_taken(settings: Mapping[str, Any]) -> dict[str, str]:
-    """Return what is wrong with a set of records in a configuration, by its keys: those that do not apply to its kind,
-    and a stiffness that is missing."""
-    kind, k = settings.get("kind", "forced"), "stiffness_N_per_m"
-    keys = [key for key, value in settings.items() if value is not None and key not in _OF_SET]
-    wrong = {key: words for key in keys if (words := _misplaced(kind, _ARGUMENTS.get(key, key)))}
-    for error, of in _UNCERTAINTIES.items():
-        if error in keys and of not in keys:
-            wrong[error] = (
-                f"has no effect without {of}, whose uncertainty it is: add that, or leave it out"
-            )
-        elif error in keys and not settings[error] < settings[of]:
-            wrong[error] = f"must be below {of} = {settings[of]:g}: correct one of them"
-    if k not in keys and "mass_kg" not in keys and kind not in ("stepped-sine", "loops"):
-        wrong[k] = f"is missing: {IN_WORDS[kind]} need it, or the mass; add it"
-    return wrong
-
-
-_OF_SET = ("name", "records", "kind")
-
-
-def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of `identify` that a set of records in a configuration states, except the records; they are
-    forced unless it states another kind."""
-    stated = {key: of for key, of in settings.items() if of is not None and key not in _OF_SET}
-    errors = {_UNCERTAINTIES[key]: stated.pop(key) for key in _UNCERTAINTIES.keys() & stated.keys()}
-    stated |= {key: (stated[key], error) for key, error in errors.items()}
-    arguments = {_ARGUMENTS.get(key, key): of for key, of in stated.items()}
-    return {"kind": settings.get("kind", "forced")} | arguments

@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arguments import instance, number, numbers
+from .arguments import NUMBERS, instance, number, numbers
 from .arrays import Array
 
 UNITS = {
@@ -142,7 +142,7 @@ def _require_numbers(model: Oscillator | BaseMotion) -> None:
     # __match_args__ names the fields, and `dataclasses.fields` costs more than the checks
     for field in model.__match_args__:
         try:
-            value = number(field, getattr(model, field), f"{type(model).__name__}.{field}")
+            value = number(f"{type(model).__name__}.{field}", getattr(model, field), NUMBERS[field])
         except ValueError as error:
             raise NoOscillator(str(error)) from None
         object.__setattr__(model, field, value)

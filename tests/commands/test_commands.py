@@ -8,7 +8,6 @@ import re
 import sys
 from importlib import import_module
 from pathlib import Path
-from typing import get_args
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
@@ -20,8 +19,8 @@ from dampbalance import identify, read_records
 from dampbalance.commands.identify import ARGUMENTS
 from dampbalance.commands.main import COMMANDS, main, parser
 from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
-from dampbalance.joints.answer import Asked
-from dampbalance.measured import OPTIONS
+from dampbalance.project.options import IN_WORDS, OPTIONS
+from dampbalance.project.wording import listed
 from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER
@@ -132,6 +131,7 @@ def test_the_document_says_from_what_it_was_made(tmp_path):
     found = identify(records, 2310.0)
     told = json.loads(json.dumps(found.document()))
     assert told["options"] == {
+        "kind": "forced",
         "stiffness_N_per_m": 2310.0,
         "stiffness_standard_error_N_per_m": 0.0,
         "frequency_hz": None,
@@ -340,7 +340,7 @@ TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
         ("--law", "c_2", f"must be {TERMS}, got 'c_2'"),
         ("--law", "c_2=40,", f"must be {TERMS}"),
         ("--law", "c_7=1", "unknown term 'c_7'; known are F_k, c, c_r, c_2, c_3, eta"),
-        ("--law", "c_2=-1", "c_2 must be a number, 0 to 1e+30, got -1"),
+        ("--law", "c_2=-1", "c_2 must be a number of N s²/m², 0 to 1e+30, got -1"),
         ("--law", "c_2=1,c_2=3", "c_2 appears twice"),
     ],
 )
@@ -419,7 +419,7 @@ ONE, TWO = RECORDS[0], [*RECORDS[:2], *COMMON]
         ([ONE, __file__, *COMMON], "test_commands.py"),
         ([*TWO, "--frequency", "7"], "not at the 7 Hz given"),
         ([*TWO, "--terms", "F_k,d"], "unknown term 'd'; known are F_k, c, "),
-        ([*TWO, "--groups", "F_k=A,"], "the groups of F_k must be names"),
+        ([*TWO, "--groups", "F_k=A,"], "must be TERM=LABELS with a label for each record"),
         ([*TWO, *["--given", "c=1"] * 2], "--given: c is named twice: leave out one"),
     ],
 )
@@ -468,34 +468,22 @@ def test_help_names_no_option_that_the_command_lacks(command, capsys):
     with pytest.raises(SystemExit):
         parser([command]).parse_args([command, "--help"])
     arguments = capsys.readouterr().out.partition("\noptions:\n")[2]
-    arguments = arguments.split("\n\n" + import_module(f"dampbalance.commands.{command}").EPILOG)[0]
-    options = set(re.findall(r"^  (?:-\w, )?(--[\w-]+)", arguments, re.MULTILINE))
+    epilog = import_module(f"dampbalance.commands.{command}").__doc__.partition("\n\n")[2]
+    arguments = arguments.split("\n\n" + epilog)[0]
+    names = re.findall(r"^  ((?:--?[\w-]+, )*--[\w-]+)", arguments, re.MULTILINE)
+    options = {one for line in names for one in line.split(", ")} - {"-h"}
     assert "--help" in options
     assert set(re.findall(r"--[a-z][\w-]*", arguments)) == options
 
 
-IN_HELP = {
-    "forced": "forced records",
-    "ring-down": "free decays",
-    "stepped-sine": "tables of a stepped sine",
-    "loops": "measured loops",
-}
-
-
 def test_help_groups_the_options_by_the_kinds_that_take_them(capsys):
-    """Every option of a signature is there, under the kinds whose signatures have it."""
-    group_of = {option: own["group"] for option, own in ARGUMENTS.items()}
     arguments = parser(["identify"])._subparsers._group_actions[0].choices["identify"]._actions
-    dests = {action.option_strings[0]: action.dest for action in arguments if action.option_strings}
-    named = {name for each in OPTIONS.values() for name in each} - {"records"}
-    assert named <= set(dests.values())
-    for option, dest in dests.items():
-        if dest in named:
-            kinds = [IN_HELP[kind] for kind, parameters in OPTIONS.items() if dest in parameters]
-            wanted = "all records" if len(kinds) == len(OPTIONS) else " or ".join(kinds)
-            assert group_of[option] == wanted, option
-    assert ARGUMENTS["--contact"]["choices"] == get_args(Asked)
-    assert ARGUMENTS["--kind"]["choices"] == tuple(OPTIONS)
+    assert {action.dest for action in arguments} > OPTIONS.keys()
+    group_of = {option: own.get("group", "") for option, own in ARGUMENTS.items()}
+    for name, option in OPTIONS.items():
+        kinds = [IN_WORDS[kind] for kind in option.kinds]
+        wanted = "all records" if len(kinds) == len(IN_WORDS) else listed(kinds, "or")
+        assert group_of[f"--{name.replace('_', '-')}"] == wanted, name
     assert code_of("identify", "--help") == 0
     shown = capsys.readouterr().out
     for group in {*group_of.values()} - {""}:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import inspect
+import json
 import math
 import re
+import shutil
+import sys
 
 import numpy as np
 import pytest
-import yaml
 
 from dampbalance import (
     BaseMotion,
@@ -23,11 +25,14 @@ from dampbalance import (
     steady_orbit,
     steady_orbits,
 )
-from dampbalance.measured import OPTIONS, WAYS, configured, not_taken
+from dampbalance.measured import WAYS
+from dampbalance.project.case import read_case_schema
+from dampbalance.project.options import IN_WORDS, OPTIONS, configured, contradictions
 from dampbalance.records.quantities import with_error
 from folders import ROOT
 from paper_case import PAPER
-from schemas import SCHEMAS
+from processes import output_of
+from rooms import PACKAGE
 
 K = 2310.0
 TABLE = str(ROOT / "config/records/stepped/levels.csv")
@@ -66,10 +71,7 @@ VALUES = {
     "backlash": False,
 }
 MISPLACED = [
-    (kind, name)
-    for kind, parameters in OPTIONS.items()
-    for name in VALUES
-    if name not in parameters
+    (kind, name) for kind in IN_WORDS for name in VALUES if kind not in OPTIONS[name].kinds
 ]
 
 
@@ -85,21 +87,22 @@ def test_an_option_of_another_kind_is_refused_in_one_sentence(kind, name, stated
 
 @pytest.mark.parametrize(("kind", "name"), MISPLACED)
 def test_a_configuration_is_refused_for_the_same_options(kind, name):
-    key = "frequency_hz" if name == "frequency" else name
-    wrong = not_taken({"kind": kind, "stiffness_N_per_m": K, key: VALUES[name]})
+    key = OPTIONS[name].key
+    k = {} if kind == "loops" else {"stiffness_N_per_m": K}
+    wrong = dict(contradictions({"kind": kind, **k, key: VALUES[name]}))
     assert [*wrong] == [key]
     assert re.fullmatch("is for .*, and these are .*: leave it out", wrong[key])
 
 
 def test_only_a_stepped_sine_and_loops_do_without_a_stiffness():
     for kind in WAYS:
-        lacks = not_taken({"kind": kind})
+        lacks = dict(contradictions({"kind": kind}))
         assert [*lacks] == ([] if kind in ("stepped-sine", "loops") else ["stiffness_N_per_m"])
 
 
 def test_a_stiffness_may_be_text_as_a_mass_may():
-    assert with_error("stiffness", "2310") == with_error("stiffness", 2310.0) == (2310.0, 0.0)
-    assert with_error("stiffness", "2310±10") == (2310.0, 10.0)
+    assert with_error("k", "2310") == with_error("k", 2310.0) == (2310.0, 0.0)
+    assert with_error("k", "2310±10") == (2310.0, 10.0)
 
 
 def test_an_unknown_option_is_that_of_a_call():
@@ -108,10 +111,7 @@ def test_an_unknown_option_is_that_of_a_call():
 
 
 def test_an_option_at_its_default_may_be_given_for_any_kind():
-    named = {
-        name: of.default for each in OPTIONS.values() for name, of in each.items() if name in VALUES
-    }
-    assert named.keys() == VALUES.keys()
+    named = {name: OPTIONS[name].default for name in VALUES}
     assert identify(DECAY, K, **named).values == identify_decays(DECAY, K).values
 
 
@@ -125,16 +125,16 @@ def test_an_option_at_its_default_may_be_given_for_any_kind():
     ],
 )
 def test_it_hands_over_to_the_function_of_the_kind(kind, options):
-    k = None if kind in ("stepped-sine", "loops") else (K, 10.0)
-    own = WAYS[kind](RECORDS[kind], k, **options)
-    assert own is not identify(RECORDS[kind], k, **options)
+    options |= {} if kind in ("stepped-sine", "loops") else {"stiffness": (K, 10.0)}
+    own = WAYS[kind](RECORDS[kind], **options)
+    assert own is not identify(RECORDS[kind], **options)
     for stated in ("recognised", kind):
-        found = identify(RECORDS[kind], k, kind=stated, **options)
+        found = identify(RECORDS[kind], kind=stated, **options)
         assert found.document() == own.document()
 
 
 @pytest.mark.parametrize(
-    "function", [identify_forced, identify_decays, identify_joint, identify_loops]
+    "function", [identify, identify_forced, identify_decays, identify_joint, identify_loops]
 )
 def test_the_docstring_has_every_argument_of_the_signature(function):
     words = inspect.getdoc(function)
@@ -143,12 +143,64 @@ def test_the_docstring_has_every_argument_of_the_signature(function):
 
 
 def test_the_keys_of_a_configuration_are_the_arguments():
-    schema = yaml.safe_load((ROOT / SCHEMAS["config"]).read_text(encoding="utf-8"))
-    keys = schema["properties"]["measured"]["items"]["properties"].keys()
+    keys = read_case_schema()["properties"]["measured"]["items"]["properties"].keys()
     stated = dict.fromkeys(keys, 1.0) | {"kind": "forced"}
-    arguments = configured(stated).keys() - {"kind"}
-    assert arguments == {name for each in OPTIONS.values() for name in each} - {"records"}
+    arguments = configured(stated).keys()
+    assert {"records", *arguments} == inspect.signature(identify).parameters.keys()
     assert identify.__kwdefaults__["kind"] == "recognised"
+
+
+TOY = """
+import inspect, json
+from dampbalance import identify, identify_decays, identify_forced
+from dampbalance.commands.main import parser
+from dampbalance.identification.request import read_options
+from dampbalance.project.case import read_case_schema
+from dampbalance.project.options import configured, contradictions
+
+def refused(**options):
+    try:
+        identify_decays([], 2310.0, **options)
+    except ValueError as error:
+        return str(error)
+
+signatures = {f.__name__: f for f in (identify, identify_forced, identify_decays)}
+argued = parser(["identify"]).parse_args(["identify", "a.csv", "--toy", "3 mm"]).toy
+print(json.dumps({
+    "signatures": [n for n, f in signatures.items() if "toy" in inspect.signature(f).parameters],
+    "help": [n for n, f in signatures.items() if "toy : m, how much of a toy." in f.__doc__],
+    "argued": argued,
+    "usage": parser(["identify"])._subparsers._group_actions[0].choices["identify"].format_help(),
+    "schema": read_case_schema()["properties"]["measured"]["items"]["properties"]["toy_m"],
+    "configured": configured({"toy_m": 2.0}),
+    "refused": refused(toy="2 mm"),
+    "key": dict(contradictions({"kind": "ring-down", "mass_kg": 1.0, "toy_m": 2.0})),
+    "options": read_options("forced", {"stiffness": 2310.0, "toy": argued})["toy_m"],
+}))
+"""
+ROW = '    toy: Annotated[float | str | None, Option("how much of a toy", bounds=NUMBERS["Y"])]\n'
+
+
+def test_an_option_is_one_row_of_the_table(tmp_path):
+    """A copy of the package with one line more, which stands in nothing else that knows an option."""
+    package = shutil.copytree(
+        PACKAGE, tmp_path / "dampbalance", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    table = package / "project/options.py"
+    head, rows, rest = table.read_text("utf-8").partition(
+        "class _OfForced(TypedDict, total=False):\n"
+    )
+    table.write_text(head + rows + ROW + rest, encoding="utf-8")
+    told = json.loads(output_of(sys.executable, "-c", TOY, folder=tmp_path))
+    assert told["signatures"] == told["help"] == ["identify", "identify_forced"]
+    assert re.search(r"\nforced records:\n(.*\n)*  --toy m +how much of a toy\n", told["usage"])
+    assert told["schema"]["minimum"] == 1e-30
+    assert "positive number of m" in told["schema"]["description"]
+    assert told["configured"] == {"kind": "forced", "toy": 2.0}
+    wrong = "is for forced records, and these are free decays: leave it out"
+    assert told["refused"] == f"toy = 2 mm {wrong}"
+    assert told["key"] == {"toy_m": wrong}
+    assert told["options"] == 0.003
 
 
 def test_mass_frequency_and_damping_ratio_are_those_of_the_oscillator():

@@ -42,8 +42,9 @@ def test_loops_are_recognised_by_force_and_displacement_without_a_stiffness():
 
 
 def test_a_stiffness_is_refused_with_the_remedy():
-    with pytest.raises(ValueError, match="leave it out, a spring in parallel"):
-        identify_loops(table(), 2310.0)
+    for given in ({"stiffness": 2310.0}, {"mass": 2.0}):
+        with pytest.raises(ValueError, match="and these are measured loops: leave it out"):
+            identify_loops(table(), **given)
 
 
 def test_the_friction_coefficient_has_the_uncertainties_of_both_forces():

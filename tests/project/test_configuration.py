@@ -13,7 +13,7 @@ from dampbalance.model import Oscillator
 from dampbalance.project.case import Case, check_case, excerpt, require_own_case
 from dampbalance.project.documents import ConfigurationError
 from folders import ROOT
-from schemas import SCHEMAS, values
+from schemas import schema_of, values
 
 FILE = ROOT / "config/config.yaml"
 NAME = ("excitation", "frequencies", 0, "name")
@@ -130,7 +130,7 @@ def test_every_key_is_described(name):
         if node.get("properties"):
             assert node["additionalProperties"] is False, f"{name} would take unknown keys"
 
-    walk(yaml.safe_load((ROOT / SCHEMAS[name]).read_text(encoding="utf-8")), "top level")
+    walk(schema_of(name), "top level")
 
 
 # Beside these, what a study sets and draws is bounded in `studies.parameters`, and positions by what there is.

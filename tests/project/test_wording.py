@@ -35,7 +35,7 @@ from dampbalance.project.wording import (
     unit_text,
     with_unit,
 )
-from dampbalance.publishing.words import rich_markup
+from dampbalance.publishing.typesetting import rich_markup
 from slips import KINDS, slips
 
 TEXTS = [

@@ -15,7 +15,7 @@ import pytest
 from dampbalance.figures import looks
 from dampbalance.figures.style import DARK, save_svg
 from dampbalance.project import wording
-from dampbalance.publishing import colours, words
+from dampbalance.publishing import colours, typesetting
 from dampbalance.publishing.match import match_figure, match_words
 from dampbalance.publishing.page.report import LARGEST_PAGE, ORIGINS
 from dampbalance.replication import comparison
@@ -75,7 +75,7 @@ def test_every_claim_has_its_row_and_its_reason(tree, made):
         text = " ".join(row["text"].split())
         assert typeset(claim["printed"]) in text
         # Symbols are set in HTML: compare what is not one.
-        reason = words.reason(typeset(claim["explanation"])).striptags()
+        reason = typesetting.reason(typeset(claim["explanation"])).striptags()
         assert " ".join(reason.split()) in text
         assert "()" not in text  # a pure number has no unit
 
@@ -320,16 +320,16 @@ def test_what_stands_in_a_script_cannot_end_it(made):
 @pytest.mark.parametrize(
     ("function", "text", "shown"),
     [
-        (words.rich_markup, "X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
-        (words.rich_markup, "phi: phase", "<i>φ</i>: phase"),
-        (words.rich_markup, "ω/ω_n and omega_1", "ω/<i>ω</i><sub>n</sub> and <i>ω</i><sub>1</sub>"),
-        (words.rich_markup, "least_squares", "least_squares"),
-        (words.rich_markup, "F_k is 5 % off at 4 mm", "<i>F</i><sub>k</sub> is 5~% off at 4~mm"),
-        (words.titled, "error of *c* by X_s < 1", "error of <i>c</i> by <i>X</i><sub>s</sub> &lt; 1"),
-        (words.titled, "at ω₁, 4.92 Hz", "at <i>ω</i><sub>1</sub>, 4.92~Hz"),
-        (words.quantity_markup, "a: norm of w", "<i>a</i>: norm of <i>w</i>"),
-        (words.quantity_markup, "share of a bound", "share of a bound"),
-        (words.reason, "c acts as c + mω²h = 90.01 N s/m, not as the author’s c",
+        (typesetting.rich_markup, "X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
+        (typesetting.rich_markup, "phi: phase", "<i>φ</i>: phase"),
+        (typesetting.rich_markup, "ω/ω_n and omega_1", "ω/<i>ω</i><sub>n</sub> and <i>ω</i><sub>1</sub>"),
+        (typesetting.rich_markup, "least_squares", "least_squares"),
+        (typesetting.rich_markup, "F_k is 5 % off at 4 mm", "<i>F</i><sub>k</sub> is 5~% off at 4~mm"),
+        (typesetting.titled, "error of *c* by X_s < 1", "error of <i>c</i> by <i>X</i><sub>s</sub> &lt; 1"),
+        (typesetting.titled, "at ω₁, 4.92 Hz", "at <i>ω</i><sub>1</sub>, 4.92~Hz"),
+        (typesetting.quantity_markup, "a: norm of w", "<i>a</i>: norm of <i>w</i>"),
+        (typesetting.quantity_markup, "share of a bound", "share of a bound"),
+        (typesetting.reason, "c acts as c + mω²h = 90.01 N s/m, not as the author’s c",
          "<i>c</i> acts as <i>c</i> + <i>m</i>ω²<i>h</i> = 90.01~N s/m, not as the author’s <i>c</i>"),
         (wording.plain_text, "F_k by X_s, K_z", "Fₖ by Xₛ, K_z"),
         (wording.frequency_name, "omega2", "ω₂"),

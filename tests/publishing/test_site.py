@@ -9,7 +9,6 @@ import json
 import re
 
 import pytest
-import yaml
 
 from dampbalance.commands.main import parser
 from dampbalance.findings.sentences import SENTENCES
@@ -18,6 +17,7 @@ from dampbalance.project.wording import with_error
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared
 from publishing.site_case import built, local, project, read_page
+from schemas import schema_of
 
 pytestmark = pytest.mark.slow
 
@@ -72,12 +72,7 @@ def test_functions_of_equations_are_linked(site, name):
 
 
 @pytest.mark.parametrize(
-    ("page", "schema"),
-    [
-        ("case", "src/dampbalance/project/schemas/config.schema.yaml"),
-        ("study", "src/dampbalance/project/schemas/study.schema.yaml"),
-        ("mapping", "src/dampbalance/project/schemas/mapping.schema.yaml"),
-    ],
+    ("page", "schema"), [("case", "config"), ("study", "study"), ("mapping", "mapping")]
 )
 def test_every_key_is_on_its_page(site, page, schema):
     text = read_page(site / f"reference/{page}.html").text
@@ -90,7 +85,7 @@ def test_every_key_is_on_its_page(site, page, schema):
             if isinstance(node.get(inner), dict):
                 walk(node[inner])
 
-    walk(yaml.safe_load((ROOT / schema).read_text(encoding="utf-8")))
+    walk(schema_of(schema))
 
 
 def test_every_option_is_on_its_page(site):

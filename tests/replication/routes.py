@@ -20,7 +20,7 @@ from dampbalance.project.case import Case
 from dampbalance.replication import authors_route as authors
 from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.judging import Claim
-from dampbalance.replication.claims.print import Published, Row, from_print, read_published
+from dampbalance.replication.claims.printed import Published, Row, from_print, read_published
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import ROUTE_NAMES
 from dampbalance.replication.comparison import approaches_table

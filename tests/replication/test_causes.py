@@ -13,7 +13,7 @@ import pytest
 
 from dampbalance.features import of_numbers
 from dampbalance.replication.claims import causes
-from dampbalance.replication.claims.print import Printed
+from dampbalance.replication.claims.printed import Printed
 from paper_case import LEVELS
 from replication.routes import CASE, PRINT
 

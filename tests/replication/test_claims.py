@@ -13,7 +13,7 @@ from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import authors_route as authors
 from dampbalance.replication.claims.causes import Sources
-from dampbalance.replication.claims.print import Printed, read_texts
+from dampbalance.replication.claims.printed import Printed, read_texts
 from dampbalance.replication.claims.table import (
     CLAIM_COLUMNS,
     WORSE,

@@ -10,7 +10,7 @@ import pytest
 
 from dampbalance.features import Features
 from dampbalance.replication.claims import evidence, unprinted
-from dampbalance.replication.claims.print import Printed
+from dampbalance.replication.claims.printed import Printed
 from dampbalance.replication.numbers import by_key
 from paper_case import LEVELS, PAIRS, PAPER, features_at
 from replication.routes import CASE, CONFIG, PRINT, exact, numbers, unrounded

@@ -9,7 +9,7 @@ import pytest
 
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.replication.authors_route import CORRECTED, SLIPPING_SAMPLE
-from dampbalance.replication.claims.print import Printed
+from dampbalance.replication.claims.printed import Printed
 from replication.routes import CASE, PAPER, PRINT, sources_of, unrounded
 
 ROUTES = {"exact": "exact", "as published": "as_published", "from print": "from_print"}

@@ -7,7 +7,7 @@ from decimal import Decimal
 import pytest
 
 from dampbalance.balance import APPROACHES, slip_velocity_as_printed
-from dampbalance.replication.claims.print import (
+from dampbalance.replication.claims.printed import (
     Printed,
     from_print,
     printed_features,

@@ -19,7 +19,7 @@ from dampbalance.replication.claims.judging import (
     simulated,
     verdict,
 )
-from dampbalance.replication.claims.print import Printed, Row
+from dampbalance.replication.claims.printed import Printed, Row
 from dampbalance.replication.claims.rules import bound_holds, word_holds
 from dampbalance.replication.claims.verdicts import PROPAGATED, READING, UNEXPLAINED
 from dampbalance.replication.numbers import Key

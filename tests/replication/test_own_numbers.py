@@ -14,7 +14,7 @@ from dampbalance.replication.claims.cross_checks import (
     misfits,
     refuted,
 )
-from dampbalance.replication.claims.print import PAIR_LABELS, PAIRS, Printed
+from dampbalance.replication.claims.printed import PAIR_LABELS, PAIRS, Printed
 from dampbalance.solver import pair
 from replication.routes import CASE, PAPER, PRINT, as_read
 

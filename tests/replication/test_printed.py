@@ -8,7 +8,7 @@ import random
 import pandas as pd
 import pytest
 
-from dampbalance.replication.claims.print import Printed, read_published
+from dampbalance.replication.claims.printed import Printed, read_published
 from dampbalance.replication.claims.rules import RULES, check_printed
 from dampbalance.replication.claims.verdicts import (
     VERDICTS,

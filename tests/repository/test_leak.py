@@ -47,7 +47,7 @@ def named(path):
 def test_there_is_something_to_scan():
     names = {named(path) for path in sources()}
     package = "src/dampbalance"
-    assert {f"{package}/balance.py", f"{package}/replication/claims/print.py"} <= names
+    assert {f"{package}/balance.py", f"{package}/replication/claims/printed.py"} <= names
     assert any(name.startswith("workflow/scripts/") for name in names)
 
 
@@ -73,9 +73,9 @@ def test_no_printed_estimate_is_typed_into_the_sources():
     [
         'read_csv("paper/published/printed.csv")',
         'folder = config["published"]',
-        "from dampbalance.replication.claims.print import read_published",
-        "from .claims.print import numbers",
-        "from ...replication.claims.print import numbers",
+        "from dampbalance.replication.claims.printed import read_published",
+        "from .claims.printed import numbers",
+        "from ...replication.claims.printed import numbers",
         "from . import claims",
     ],
 )

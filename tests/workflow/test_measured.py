@@ -168,7 +168,10 @@ def test_what_the_schema_forbids_is_refused_at_once_before_anything_runs(built):
     wrong = (
         ({"stiffness_N_per_m": 0.0}, "measured[1].stiffness_N_per_m: 0.0 is not allowed"),
         ({"stiffness": 2310.0}, "measured[2].stiffness: unknown key"),
-        ({"kind": "decay"}, "measured[3].kind: 'decay' is not allowed. forced records, one per"),
+        (
+            {"kind": "decay"},
+            "measured[3].kind: 'decay' is not allowed. forced (forced records), ring",
+        ),
         ({"name": "two words"}, "measured[4].name: 'two words' cannot be a name"),
         ({"terms": ["F_k", "c_9"]}, "measured[5].terms[2]: 'c_9' is not a term"),
     )

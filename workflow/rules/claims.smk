@@ -6,7 +6,7 @@ PUBLISHED = project_file(config["published"]) if config["published"] else None
 SUMMARY = Path(RESULTS, "summary.txt")
 
 if PUBLISHED:  # slow to import
-    from dampbalance.replication.claims import print as printed
+    from dampbalance.replication.claims import printed
     from dampbalance.replication.claims.rules import check_printed
     from dampbalance.replication.claims.table import WORSE, read_record
 

@@ -12,7 +12,6 @@ FROM = "relative to the folder of the run"
 
 if MEASURED:  # slow to import
     from dampbalance.law.law import law_of
-    from dampbalance.measured import not_taken
     from dampbalance.records.errors import RecordError
     from dampbalance.records.mapping import mapping_file, mapping_for, parts_of
 
@@ -94,8 +93,6 @@ if MEASURED and workflow.is_main_process:
             refuse(("measured",), text, CONFIG_FILES)
         for name, one in MEASURED.items():
             require_files(name)
-            for key, text in not_taken(one).items():
-                refuse_of(name, key, text=text)
             try:
                 law = law_of(one.get("terms"), one.get("given"), one.get("groups"))
                 law.require_labels(len(record_files(name)))

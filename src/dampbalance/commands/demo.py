@@ -1,4 +1,10 @@
-"""dampbalance demo: example records, their identification and its report, to see within seconds what comes out."""
+"""dampbalance demo: example records, their identification and its report, to see within seconds what comes out.
+
+Five records of the paper's oscillator below its resonance are simulated, with 1 % of noise, and identified by the
+command that is shown: repeat it with records and a stiffness of your own.
+
+  dampbalance demo --open
+"""
 
 from __future__ import annotations
 
@@ -10,36 +16,29 @@ from typing import Any
 
 from ..identification.outputs import REPORT, require_room
 from .main import parser
+from .options import argument
 from .simulate import ARGUMENTS as OF_SIMULATED
 from .simulate import DAMPING, FRICTION
 
-EPILOG = """\
-Five records of the paper's oscillator below its resonance are simulated, with 1 % of noise, and identified by the
-command that is shown: repeat it with records and a stiffness of your own.
-
-  dampbalance demo --open
-"""
-
 ARGUMENTS: dict[str, dict[str, Any]] = {
-    "folder": {
-        "nargs": "?",
-        "type": Path,
-        "default": Path("dampbalance-demo"),
-        "metavar": "FOLDER",
-        "help": "where records and results go (default: %(default)s)",
-    },
-    "--open": {"action": "store_true", "help": "show the report in the browser"},
-    "--overwrite": {"action": "store_true", "help": "replace existing records and results"},
+    "folder": argument(
+        "where records and results go (default: %(default)s)",
+        nargs="?",
+        type=Path,
+        default=Path("dampbalance-demo"),
+        metavar="FOLDER",
+    ),
+    "--open": argument("show the report in the browser"),
+    "--overwrite": argument("replace existing records and results"),
 }
 
 _LEVELS_MM = (4, 6, 8, 10, 12)
 _STIFFNESS, _CONTACT, _MASS = (
     OF_SIMULATED[name]["default"] for name in ("--stiffness", "--contact-stiffness", "--mass")
 )
-_RECORD = (
-    *("--frequency", "3.5", "--rate", "1000", "--cycles", "20", "--noise", "0.01", "--start"),
-    *("0.1", "--channel", "base_displacement", "--channel", "displacement", "--channel"),
-    *("acceleration", "--decimals", "6"),
+_RECORD = shlex.split(
+    "--frequency 3.5 --rate 1000 --cycles 20 --noise 0.01 --start 0.1 --decimals 6 "
+    "--channel base_displacement --channel displacement --channel acceleration"
 )
 """Options of each record, as for those in config/records/example."""
 

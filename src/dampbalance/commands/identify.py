@@ -1,24 +1,6 @@
 """dampbalance identify: F_k, c and K_z from records of steady responses at several levels or of free decays, or from
-tables of a stepped sine."""
+tables of a stepped sine.
 
-from __future__ import annotations
-
-import argparse
-import shutil
-import sys
-from collections.abc import Iterator
-from dataclasses import replace
-from pathlib import Path
-from typing import Any
-
-from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
-from ..law.terms import KNOWN_TERMS
-from ..project.files import json_text, replacing, write_text
-from ..project.wording import listed, shortened
-from ..records.quantities import with_error
-from .options import coefficients, number, read_by, whole
-
-EPILOG = """\
 A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
 at least one of the mass (displacement, velocity, acceleration; relative_displacement, … where it was measured against
 the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV, NumPy,
@@ -46,45 +28,27 @@ Loops of force against displacement, from a test machine, need no stiffness:
 
   dampbalance identify loops.csv
 
+Numbers may have a unit, and k, m and the normal force a standard uncertainty: "5.2 N/mm ± 1 %", 2310±10, "210 rpm".
+
 The exit status is 0 with an answer, 1 where the records give none (the cause is shown first), 2 for an error.
 """
 
+from __future__ import annotations
 
-_HELP = f"""\
-records         one file per level, at least as many as coefficients; one is enough for a free decay
-all records:
---kind          forced records, free decays, tables of a stepped sine, or measured loops (default: recognised)
---stiffness     k, N/m (of a rotation N m/rad), or 5.2±0.1, "29.7 lbf/in", "5.2 N/mm ± 1 %%"; it scales F_k and c
---mass          checks k, or gives it: kg (of a rotation kg m²), "6.8 lb", 2.42±0.01 (else 0.5 %%, half a digit)
---mapping       file or folder that names the channels of the records (default: the file next to each)
---write-mapping write a draft of a mapping to this file, with a reason for each channel, and do nothing else
-forced records:
---frequency     known drive frequency, Hz, or "210 rpm"; compared with that of each record
---groups        a coefficient for each group of records: F_k=A,A,B, a label per record; may be repeated
---contact-to    base for a mount, whose spring, damper and friction all sit on the table (default: ground)
---fixture-mass  mass between a load cell and the vibrating mass, kg, or "0.4 lb"
---skip-cycles   cycles left out at the start of each record, where the motion has not settled (default: 0)
-forced records or free decays:
---laws          compare laws of one or two terms, with and without friction, and name the one that the records support
-forced records or tables of a stepped sine:
---terms         terms of the damping law, such as F_k,c,c_2 (default: F_k,c); known: {", ".join(KNOWN_TERMS)}
---given         a known coefficient, such as c=0.669, SI; may be repeated
-tables of a stepped sine:
---contact       one slider, many that slip one after the other, or the one that the lines support (default: both)
---no-hardening  the spring does not stiffen with the amplitude
---residual      include other modes of the structure, which also move the driven point
-measured loops:
---normal-force  normal force, N, or 5.0±0.1, for the friction coefficient
---fixture-stiffness  stiffness of a fixture in series whose deflection is also measured, N/m
---no-backlash   the fixture has no dead band
-results:
---details       show all answers and all that limits them, instead of one screen
---output        write {", ".join(OUTPUTS)} there
---no-figures    write no pictures: they take longer than all the rest
---json          write {TABLES[0]} to this file as well; - shows it instead of the table
---report        write the report, one page of HTML with everything, to this file
---overwrite     replace existing results
-"""
+import argparse
+import shutil
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, get_args
+
+from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
+from ..project.files import json_text, replacing, write_text
+from ..project.options import IN_WORDS, OPTIONS, Option
+from ..project.wording import listed
+from ..records.quantities import with_error
+from .options import FILE, argument, coefficients, labels, read_by, whole
 
 _SCREEN = Path("-")
 
@@ -97,7 +61,7 @@ def run(options: argparse.Namespace) -> bool:
     if options.write_mapping is not None:
         _write_mapping(options)
         return True
-    from ..measured import OPTIONS, identify  # slow to import, not needed for help
+    from ..measured import identify  # slow to import, not needed for help
 
     folder: Path | None = options.output
     document: Path | None = None if options.json == _SCREEN else options.json
@@ -107,8 +71,9 @@ def run(options: argparse.Namespace) -> bool:
         require_room(folder, (*TABLES, *ALL_PICTURES), permission)
     for file in filter(None, (document, options.report)):
         require_room(file.parent, [file.name], permission)
-    stated = {name for each in OPTIONS.values() for name in each} & vars(options).keys()
-    result = identify(kind=options.kind, **{name: getattr(options, name) for name in stated})
+    stated = {name: of for name, of in vars(options).items() if name in OPTIONS}
+    stated |= {name: _together(name, of) for name, of in stated.items() if isinstance(of, list)}
+    result = identify(options.records, kind=options.kind, **stated)
     answer = json_text(result.document())
     shown, width = answer, shutil.get_terminal_size().columns
     if options.json != _SCREEN:
@@ -120,10 +85,9 @@ def run(options: argparse.Namespace) -> bool:
         places.append(str(document))
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
-        pictures = sum(file.suffix in (".svg", ".png") for file in files)
-        names = [file.name for file in files if file.suffix not in (".svg", ".png")]
-        names += [f"{pictures} pictures"] * bool(pictures)
-        places.append(f"{folder}: {listed(names)}")
+        names = [file.name for file in files if file.name not in ALL_PICTURES]
+        pictures = [f"{len(files) - len(names)} pictures"] * (len(files) > len(names))
+        places.append(f"{folder}: {listed([*names, *pictures])}")
         drawn = "" if options.no_figures else (folder / REPORT).read_text(encoding="utf-8")
     if options.report is not None:
         write_text(options.report, drawn or result.report())
@@ -144,7 +108,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
         raise ValueError(f"--write-mapping {file}: the name of a mapping must end in .yaml")
     stepped = None if options.kind == "recognised" else options.kind == "stepped-sine"
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
-    text = mapping_to_start_from(options.records[0], options.mapping, stepped)
+    text = mapping_to_start_from(options.records[0], getattr(options, "mapping", None), stepped)
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
         mapping = replace(read_mapping(unfinished), source=str(file))
@@ -155,86 +119,85 @@ def _write_mapping(options: argparse.Namespace) -> None:
     print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
 
 
-def _labels(text: str) -> dict[str, str]:
-    """Parse an argument: a term and a label for each record, F_k=A,A,B."""
-    name, equals, labels = text.partition("=")
-    if not equals:
-        raise argparse.ArgumentTypeError(
-            f"must be TERM=LABELS with a label for each record, as in F_k=A,A,B, got {shortened(text)}"
-        )
-    return {name.strip(): labels}
+def _written(option: Option) -> Callable[[str], str]:
+    """Return a type of argument: a number as it stands, with its unit, its uncertainty and its digits."""
+
+    def checked(name: str, text: str) -> str:
+        with_error(name, text, option.bounds)
+        return text
+
+    return read_by(checked, option.name)
 
 
-def _checked(name: str, text: str) -> str:
-    """Check that a text is a number, and return it as it stands, with its unit and its digits."""
-    with_error(name, text)
-    return text
+def _together(name: str, parts: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the terms of an option that may be repeated. Raises ValueError for a term that is named twice."""
+    together: dict[str, Any] = {}
+    for part in parts:
+        if twice := together.keys() & part.keys():
+            raise ValueError(f"--{name}: {twice.pop()} is named twice: leave out one of the two")
+        together |= part
+    return together
 
 
-class _Once(argparse.Action):
-    """Collect options of one term or several each in one mapping; a term that is named twice is an error."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
-        """Add the terms of one option."""
-        collected = getattr(namespace, self.dest, {})
-        if twice := collected.keys() & values.keys():
-            remedy = "leave out one of the two"
-            raise argparse.ArgumentError(self, f"{twice.pop()} is named twice: {remedy}")
-        setattr(namespace, self.dest, collected | values)
+_FORMS: Mapping[str, Callable[[Option], dict[str, Any]]] = {
+    "flag": lambda of: {"action": argparse.BooleanOptionalAction},
+    "whole": lambda of: {"type": whole(of.name, of.bounds), "metavar": "N"},
+    "number": lambda of: {"type": _written(of), "metavar": of.unit},
+    "stated": lambda of: {"type": _written(of), "metavar": of.unit},
+    "path": lambda of: FILE,
+    "names": lambda of: {"metavar": of.name.upper()},
+    "coefficients": lambda of: {"type": coefficients, "action": "append", "metavar": "TERM=VALUE"},
+    "labels": lambda of: {"type": labels, "action": "append", "metavar": "TERM=A,A,B"},
+    "choice": lambda of: {"choices": get_args(of.type)},
+}
+"""Form of the value of an option → what argparse takes of it."""
 
 
-_OPTIONS: dict[str, dict[str, Any]] = {
-    "records": {"nargs": "+", "type": Path, "metavar": "RECORD"},
-    "--kind": {
-        "choices": ("forced", "ring-down", "stepped-sine", "loops"),
-        "default": "recognised",
-    },
-    "--stiffness": {"type": read_by(_checked, "stiffness"), "metavar": "K"},
-    "--mass": {"type": read_by(_checked, "mass"), "metavar": "M"},
-    "--mapping": {"type": Path, "default": None, "metavar": "FILE"},
-    "--write-mapping": {"type": Path, "default": None, "metavar": "FILE"},
-    "--frequency": {"type": number("frequency"), "metavar": "HZ"},
-    "--contact-to": {"choices": ("ground", "base")},
-    "--fixture-mass": {"type": read_by(_checked, "fixture_mass"), "metavar": "M"},
-    "--groups": {"type": _labels, "action": _Once, "metavar": "TERM=LABELS"},
-    "--skip-cycles": {"type": whole("skip_cycles"), "metavar": "N"},
-    "--laws": {"action": "store_true"},
-    "--terms": {"metavar": "TERMS"},
-    "--given": {"type": coefficients, "action": _Once, "metavar": "TERM=VALUE"},
-    "--contact": {"choices": ("both", "one slider", "gradual")},
-    "--no-hardening": {"action": "store_false", "dest": "hardening"},
-    "--residual": {"action": "store_true"},
-    "--normal-force": {"type": read_by(_checked, "normal_force"), "metavar": "N"},
-    "--fixture-stiffness": {"type": number("fixture_stiffness"), "metavar": "K"},
-    "--no-backlash": {"action": "store_false", "dest": "backlash"},
-    "--details": {"action": "store_true", "default": False},
-    "--output": {"type": Path, "default": None, "metavar": "DIR"},
-    "--no-figures": {"action": "store_true", "default": False},
-    "--json": {"type": Path, "default": None, "metavar": "FILE"},
-    "--report": {"type": Path, "default": None, "metavar": "FILE"},
-    "--overwrite": {"action": "store_true", "default": False},
+def _argument(option: Option) -> dict[str, Any]:
+    """Return what argparse takes of an option. One that is not given leaves no trace: the functions that identify know
+    its default."""
+    form = _FORMS[option.form](option)
+    words, default, kinds = option.words, option.default, [IN_WORDS[kind] for kind in option.kinds]
+    if isinstance(default, bool):
+        words += f" (default: {'yes' if default else 'no'})"
+    elif default is not None:
+        words += f" (default: {default})"
+    words += "; may be repeated" * (form.get("action") == "append")
+    group = _ALL if len(kinds) == len(IN_WORDS) else listed(kinds, "or")
+    return argument(words.replace("%", "%%"), group=group, default=argparse.SUPPRESS, **form)
+
+
+_ALL = "all records"
+_RESULTS = {
+    "--details": argument("show all answers and all that limits them, instead of one screen"),
+    "--output": argument(f"write {', '.join(OUTPUTS)} there", type=Path, metavar="DIR"),
+    "--no-figures": argument("write no pictures: they take longer than all the rest"),
+    "--json": argument(
+        f"write {TABLES[0]} to this file as well; - shows it instead of the table", **FILE
+    ),
+    "--report": argument(
+        "write the report, one page of HTML with everything, to this file", **FILE
+    ),
+    "--overwrite": argument("replace existing results"),
 }
 
-
-def _arguments() -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield each argument of `_HELP`, with its group; an option that is not given leaves no trace.
-
-    So the defaults are those of the functions that identify.
-    """
-    group = ""
-    for line in _HELP.splitlines():
-        if line.endswith(":"):
-            group = line.removesuffix(":")
-        else:
-            name, words = line.split(maxsplit=1)
-            defaults = {"default": argparse.SUPPRESS, "group": group, "help": words}
-            yield name, defaults | _OPTIONS[name]
-
-
-ARGUMENTS = dict(_arguments())
+ARGUMENTS: dict[str, dict[str, Any]] = {
+    "records": argument(
+        "one file per level, at least as many as coefficients; one is enough for a free decay",
+        nargs="+",
+        type=Path,
+        metavar="RECORD",
+    ),
+    "--kind": argument(
+        f"{listed(list(IN_WORDS.values()), 'or')} (default: recognised)",
+        group=_ALL,
+        choices=tuple(IN_WORDS),
+        default="recognised",
+    ),
+    "--write-mapping": argument(
+        "write a draft of a mapping to this file, with a reason for each channel, and do nothing else",
+        **{"group": _ALL, **FILE},
+    ),
+    **{f"--{name.replace('_', '-')}": _argument(option) for name, option in OPTIONS.items()},
+    **{name: {"group": "results", **own} for name, own in _RESULTS.items()},
+}

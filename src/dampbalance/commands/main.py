@@ -18,7 +18,8 @@ COMMANDS = {
     "simulate": "write a record with known truth",
     "release": "write a record of a free decay with known truth",
 }
-"""Modules of this room, each loaded only when it is called: its imports take longer than showing help."""
+"""Modules of this room, each loaded only when it is called: its imports take longer than showing help. Its docstring is
+the help, its first paragraph before the arguments."""
 
 _LONGEST = 1000  # characters of a line
 _NO_MEMORY = "memory ran out: ask for less, or give shorter records"
@@ -49,7 +50,8 @@ def parser(named: Collection[str] = tuple(COMMANDS)) -> argparse.ArgumentParser:
         )
         if name in named:
             command = import_module(f".{name}", __package__)
-            command_parser.description, command_parser.epilog = command.__doc__, command.EPILOG
+            words = command.__doc__ or ""
+            command_parser.description, _, command_parser.epilog = words.partition("\n\n")
             groups: dict[str, argparse._ActionsContainer] = {"": command_parser}
             for argument, options_of in command.ARGUMENTS.items():
                 own = dict(options_of)

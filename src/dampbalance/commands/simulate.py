@@ -1,28 +1,5 @@
-"""dampbalance simulate: a record of the exact steady response, with noise, as text or for MATLAB."""
+"""dampbalance simulate: a record of the exact steady response, with noise, as text or for MATLAB.
 
-from __future__ import annotations
-
-import argparse
-import math
-from dataclasses import replace
-from pathlib import Path
-from typing import Any
-
-import numpy as np
-
-from ..model import BaseMotion, Oscillator
-from ..motion.law_response import law_response
-from ..motion.law_steady import Response
-from ..motion.orbit import Orbit, steady_orbit
-from ..motion.sliders import SlidersOrbit, sliders_orbit
-from ..records.channel import EXCITATIONS, RESPONSES, ROTATING
-from ..records.errors import RecordError
-from ..records.record import Record
-from ..records.synthetic import measured_orbit
-from ..records.writers import write
-from .options import coefficients, quantity, sliders, whole
-
-EPILOG = """\
 Each record is exact except for white noise, independent in every channel. The oscillator is that of the paper unless
 options say otherwise. With a --channel such as base_angle and angle it rotates: kg m², N m s/rad, N m/rad, N m and rad
 then stand for kg, N s/m, N/m, N and m.
@@ -39,56 +16,109 @@ deflection of r, so that the friction force of all is the sum of kappa × r. The
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --law c_2=40,eta=0.02
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --sliders 1e-5:40000,5e-5:8000,2e-4:2000
 """
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..model import BaseMotion, Oscillator
+from ..motion.law_response import law_response
+from ..motion.law_steady import Response
+from ..motion.orbit import Orbit, steady_orbit
+from ..motion.sliders import SlidersOrbit, sliders_orbit
+from ..records.channel import EXCITATIONS, RESPONSES, ROTATING
+from ..records.errors import RecordError
+from ..records.record import Record
+from ..records.synthetic import measured_orbit
+from ..records.writers import write
+from .options import FILE, argument, coefficients, quantity, sliders, whole
+
 _MOST_SWINGS = 300_000  # a second or two of computing
 _MOST_SWINGS_OF_LAW = 3_000  # a minute or two
 DAMPING, FRICTION = 90.0, 1.28  # the paper's c, N s/m, and F_k, N
+
+
+def arguments(
+    own: dict[str, dict[str, Any]], noise_of: str, channels: Sequence[str], default: Sequence[str]
+) -> dict[str, dict[str, Any]]:
+    """Return the arguments of a command that writes a record: its own, and those of the oscillator, the noise and the
+    file.
+
+    noise_of : to which the noise is relative.   channels, default : quantities, and those without --channel.
+    """
+    words = f"a quantity; may be repeated (default: {', '.join(default)})"
+    return {
+        "record": argument(".csv or other text, or .mat", **FILE),
+        **own,
+        "--mass": quantity("m", 2.42, "m, kg"),
+        "--damping": quantity("c", None, f"c, N s/m (default: {DAMPING:g})"),
+        "--stiffness": quantity("k", 2310.0, "k, N/m"),
+        "--contact-stiffness": quantity("K_z", 208000.0, "K_z, N/m"),
+        "--friction": quantity("F_k", None, f"F_k, N (default: {FRICTION:g})"),
+        "--rate": quantity("rate_hz", 5000.0, "samples per second"),
+        "--noise": quantity("noise", 0.0, f"rms, relative to {noise_of}"),
+        "--seed": quantity("seed", 0, "seed of the noise", type=whole("seed")),
+        "--channel": argument(words, action="append", choices=channels),
+        "--overwrite": argument("replace an existing file"),
+    }
+
+
 _CHANNELS = ("base_displacement", "displacement")
 
-ARGUMENTS: dict[str, dict[str, Any]] = {
-    "record": {"type": Path, "metavar": "FILE", "help": ".csv or other text, or .mat"},
-    "--frequency": quantity("frequency", None, "drive frequency, Hz", required=True, metavar="HZ"),
-    "--amplitude": quantity("Y", None, "amplitude of the base, m", required=True, metavar="Y"),
-    "--mass": quantity("m", 2.42, "m, kg"),
-    "--damping": quantity("c", None, f"c, N s/m (default: {DAMPING:g}; with --law 0)"),
-    "--stiffness": quantity("k", 2310.0, "k, N/m"),
-    "--contact-stiffness": quantity("K_z", 208000.0, "K_z, N/m"),
-    "--friction": quantity("F_k", None, f"F_k, N (default: {FRICTION:g})"),
-    "--law": {
-        "type": coefficients,
-        "metavar": "SYMBOL=VALUE,…",
-        "help": "terms of the damping with their coefficients, see below (default: c alone)",
+ARGUMENTS = arguments(
+    {
+        "--frequency": quantity(
+            "frequency", None, "drive frequency, Hz", required=True, metavar="HZ"
+        ),
+        "--amplitude": quantity("Y", None, "amplitude of the base, m", required=True, metavar="Y"),
+        "--law": argument(
+            "terms of the damping with their coefficients, see below (default: c alone)",
+            type=coefficients,
+            metavar="SYMBOL=VALUE,…",
+        ),
+        "--sliders": argument(
+            "Jenkins elements, m:N/m, see below; not with --law",
+            type=sliders,
+            metavar="R:KAPPA,…",
+        ),
+        "--cycles": quantity("cycles", 100.0, "cycles of the drive"),
+        "--start": quantity("start", 0.0, "time of the first sample, s"),
+        "--decimals": quantity(
+            "decimals", None, "round the values, in SI units, to N decimals", type=whole("decimals")
+        ),
     },
-    "--sliders": {
-        "type": sliders,
-        "metavar": "R:KAPPA,…",
-        "help": "Jenkins elements, m:N/m, see below; not with --law",
-    },
-    "--rate": quantity("rate_hz", 5000.0, "samples per second"),
-    "--cycles": quantity("cycles", 100.0, "cycles of the drive"),
-    "--start": quantity("start", 0.0, "time of the first sample, s"),
-    "--noise": quantity("noise", 0.0, "rms, relative to that of the channel"),
-    "--seed": {
-        "type": whole("seed"),
-        "default": 0,
-        "help": "seed of the noise (default: %(default)s)",
-    },
-    "--channel": {
-        "action": "append",
-        "choices": [*EXCITATIONS, *RESPONSES, *ROTATING],
-        "help": f"a quantity; may be repeated (default: {', '.join(_CHANNELS)})",
-    },
-    "--decimals": {
-        "type": whole("decimals"),
-        "metavar": "N",
-        "help": "round the values, in SI units, to N decimals",
-    },
-    "--overwrite": {"action": "store_true", "help": "replace an existing file"},
-}
+    "that of the channel",
+    (*EXCITATIONS, *RESPONSES, *ROTATING),
+    _CHANNELS,
+)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Simulate and write a record."""
-    require_new(options)
+    """Simulate and write a record of the steady response."""
+    write_new(options, _measurement)
+
+
+def write_new(
+    options: argparse.Namespace, simulated: Callable[[argparse.Namespace], Record]
+) -> None:
+    """Write the record that options ask for, and print the name of its file.
+
+    Raises ValueError where it exists and may not be replaced, before it is simulated.
+    """
+    if options.record.exists() and not options.overwrite:
+        remedy = "choose another name, or add --overwrite"
+        raise ValueError(f"{options.record} exists already: {remedy}")
+    print(f"Written: {write(options.record, simulated(options))}")
+
+
+def _measurement(options: argparse.Namespace) -> Record:
+    """Return the record of a steady response."""
     law = dict(options.law or {})
     if options.sliders and options.law:
         raise ValueError("--sliders and --law cannot be combined: leave out one")
@@ -105,16 +135,7 @@ def run(options: argparse.Namespace) -> None:
         channels=tuple(options.channel or _CHANNELS),
         start=options.start,
     )
-    if options.decimals is not None:
-        measurement = _rounded(measurement, options.decimals)
-    save(options, measurement)
-
-
-def require_new(options: argparse.Namespace) -> None:
-    """Raise ValueError where the record exists and may not be replaced."""
-    if options.record.exists() and not options.overwrite:
-        remedy = "choose another name, or add --overwrite"
-        raise ValueError(f"{options.record} exists already: {remedy}")
+    return measurement if options.decimals is None else _rounded(measurement, options.decimals)
 
 
 def require_brief(
@@ -128,11 +149,6 @@ def require_brief(
             f"the oscillator swings {swings:.2g} times in {within}, and no more than {most:,} can be followed"
             f"{' under such a law' * law}; ask for {remedy}, or more --mass"
         )
-
-
-def save(options: argparse.Namespace, measurement: Record) -> None:
-    """Write the record, and print the name of its file."""
-    print(f"Written: {write(options.record, measurement)}")
 
 
 def oscillator(

@@ -10,12 +10,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 from scipy import special
 
-from ..arguments import flag, number
+from ..arguments import NUMBERS, number
 from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..findings.finding import Finding
@@ -25,6 +25,7 @@ from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..motion.unknowns import M
+from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
 from ..records.mapping import MappingLike
@@ -61,7 +62,7 @@ from .decay_laws import (
 from .diagnosis import on_mass
 from .half_cycles import A, B, RingRows, W, rows_of
 from .level import Level
-from .request import Stated, mapping_option, records_of, rig_options, with_stiffness_by_mass
+from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
 from .screen import implied
 from .sensitivities import Fault
@@ -179,13 +180,13 @@ def _counted(n: int, what: str) -> str:
     return f"{n} {what}{'s' * (n != 1)}"
 
 
+@with_options(DecayOptions)
 def identify_decays(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    mass: Stated | None = None,
-    laws: bool = False,
+    **options: Unpack[DecayOptions],
 ) -> Result[DecayBasis]:
     """Identify F_k, c and K_z from records of free decays, one or several after releases or blows; one is enough.
 
@@ -193,8 +194,8 @@ def identify_decays(
     maximum-likelihood fit of one oscillator to all samples, with the balance as its check.
 
     records : as `read_records` returns or takes them.
-    stiffness, mapping, mass : as for `identify_forced`.
-    laws : whether to compare the damping laws that the decays may have.
+    stiffness, mapping : as for `identify_forced`.
+    {options}
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range, a record whose excitation channel keeps moving or that holds no free decay.
@@ -206,11 +207,8 @@ def identify_decays(
     >>> {symbol: round(found.values[symbol], 1) for symbol in ("F_k", "c")}
     {'F_k': 0.5, 'c': 1.0}
     """
-    rig = rig_options(stiffness, mass, "ring-down")
-    own = {"laws": flag("laws", laws), "mapping": mapping_option(mapping)}
-    options = {"kind": "ring-down", **rig, **own}
-    read = records_of("ring-down", records, mapping, stiffness=stiffness, mass=mass)
-    return _of_records(read, options)
+    given = {"stiffness": stiffness, **options}
+    return _of_records(*read_request("ring-down", records, mapping, given))
 
 
 def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Result[DecayBasis]:
@@ -224,7 +222,7 @@ def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Resu
         k,
         mass=mass,
         mass_error=options["mass_standard_error_kg"] or 0.0,
-        stiffness_error=options["stiffness_standard_error_N_per_m"],
+        stiffness_error=options["stiffness_standard_error_N_per_m"] or 0.0,
         laws=options["laws"],
     )
     odd = [words.about(record.name) for record in records for words in record.warnings]
@@ -254,9 +252,9 @@ def identify_ring_downs(
     Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
     without a decay that slips, and a channel with a filter.
     """
-    number("stiffness", k)
+    number("stiffness", k, NUMBERS["k"])
     if mass is not None:
-        number("mass", mass)
+        number("mass", mass, NUMBERS["m"])
     fits: list[RingFit] = []
     warnings: list[Finding] = []
     offsets = 0

@@ -21,12 +21,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 from scipy import special
 
-from ..arguments import flag, number, whole
+from ..arguments import NUMBERS, number
 from ..arrays import Array
 from ..balance import Rows
 from ..features import FEATURE_COLUMNS, Features
@@ -35,9 +35,9 @@ from ..fit.oscillator_fit import OscillatorFit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
+from ..project.options import ForcedOptions, Stated, with_options
 from ..records.channel import ABSOLUTE, RELATIVE
 from ..records.mapping import MappingLike
-from ..records.quantities import quantity
 from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
@@ -73,15 +73,9 @@ from .oscillator import (
     read_samples,
     with_common_fit,
 )
-from .request import (
-    Stated,
-    mapping_option,
-    records_of,
-    rig_options,
-    with_stiffness_by_mass,
-)
+from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
-from .rigs import Held, Masses, held_by, masses_of, of_a_mount, require_driven_by, require_possible
+from .rigs import Masses, masses_of, of_a_mount, require_driven_by, require_possible
 from .screen import implied
 from .sensitivities import Fault, sensitivities, shifts_of_fit, shifts_of_fundamentals
 from .stated import with_stated_uncertainties
@@ -239,20 +233,13 @@ def _loops(found: Result[ForcedBasis], mass: float | None = None) -> list[dict[s
     return loops
 
 
+@with_options(ForcedOptions)
 def identify_forced(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    frequency: float | str | None = None,
-    mass: Stated | None = None,
-    fixture_mass: float | str | None = None,
-    contact_to: Held = "ground",
-    terms: Sequence[str] | str | None = None,
-    given: Mapping[str, float] | None = None,
-    groups: Mapping[str, Sequence[str] | str] | None = None,
-    laws: bool = False,
-    skip_cycles: int = 0,
+    **options: Unpack[ForcedOptions],
 ) -> Result[ForcedBasis]:
     """Identify the coefficients of a damping law and K_z from forced records, one for each level of excitation.
 
@@ -265,18 +252,7 @@ def identify_forced(
     uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a
     mapping states. Without, they are conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
-    frequency : of the drive as known, Hz; compared with that found in each record.
-    mass : kg (kg m² of a rotation), if it is known: it tests the stiffness and the gains, and sharpens K_z where it
-    is known better than the records know it. Without an uncertainty it has one of 0.5 %, a text one of half a unit of
-    its last digit where that is more ("2.4" is 2.40 ± 0.05 kg). Alone it gives the stiffness, where the base moves.
-    fixture_mass : kg, of what moves between a load cell and the mass.
-    contact_to : what holds the friction contact: "base" for a mount or an isolator, whose spring, damper and friction
-    all sit between table and mass; its mass must be given.
-    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those given.
-    given : symbol → known coefficient, SI units.
-    groups : symbol → a label for each record, where groups of records have their own.
-    laws : whether to compare all laws of one or two terms, with and without friction, too.
-    skip_cycles : left out at the start of each record, where the motion has not settled.
+    {options}
 
     Names and labels in order (terms, groups) may be a text with commas: terms="F_k,c".
 
@@ -300,28 +276,16 @@ def identify_forced(
     >>> found.verdicts["F_k"].verdict
     'usable'
     """
-    rig = rig_options(stiffness, mass, "forced")
-    law = law_of(terms, given, groups)
-    options = {
-        **rig,
-        **held_by(contact_to, fixture_mass, rig),
-        "frequency_hz": None if frequency is None else quantity("frequency", frequency),
-        "terms": list(law.terms),
-        "given": dict(law.given),
-        "groups": {symbol: list(labels) for symbol, labels in law.groups.items()},
-        "laws": flag("laws", laws),
-        "mapping": mapping_option(mapping),
-        "skip_cycles": whole("skip_cycles", skip_cycles),
-    }
-    read = records_of("forced", records, mapping, stiffness=stiffness, mass=mass)
-    return _of_records(read, law, options)
+    read, of = read_request("forced", records, mapping, {"stiffness": stiffness, **options})
+    return _of_records(read, law_of(of["terms"], of["given"], of["groups"]), of)
 
 
 def _of_records(
     records: tuple[Record, ...], law: Law, options: Mapping[str, Any]
 ) -> Result[ForcedBasis]:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
-    if options["stiffness_N_per_m"] is None:
+    k, masses = options["stiffness_N_per_m"], masses_of(records, options)
+    if k is None:
         require_driven_by(True, records, "no stiffness of a force")
         # a coefficient that is given is that of the true k: the first k comes without it
         passes = [
@@ -329,8 +293,6 @@ def _of_records(
         ]
         options, k = with_stiffness_by_mass(passes[0], options, *passes[1:])
         masses = Masses(None, None)
-    else:
-        k, masses = options["stiffness_N_per_m"], masses_of(records, options)
     mass = masses.moving
     of_drive = {name: options[name] for name in ("frequency_hz", "skip_cycles")}
     readings = [load(record, k, base_mass=masses.on_base, **of_drive) for record in records]
@@ -341,7 +303,7 @@ def _of_records(
         k,
         mass=mass,
         mass_error=options["mass_standard_error_kg"] or 0.0,
-        stiffness_error=options["stiffness_standard_error_N_per_m"],
+        stiffness_error=options["stiffness_standard_error_N_per_m"] or 0.0,
         law=law,
     )
     held = mass if outcome.basis.joint.mass_taken else None
@@ -378,7 +340,7 @@ def identify_readings(
     law = law or Law()
     require_different_levels(readings, k, law)
     if mass is not None:
-        number("mass", mass)
+        number("mass", mass, NUMBERS["m"])
     lines = [reading.lines for reading in readings]
     channels = {q for reading in readings for q in reading.steady.channels}
     # where a force drives, the base is at rest; channels of both kinds test each other

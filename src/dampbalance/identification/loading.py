@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..arguments import number
+from ..arguments import NUMBERS, number
 from ..arrays import Array
 from ..findings.finding import Finding
 from ..findings.words import sentence
@@ -125,7 +125,7 @@ def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, St
 def require_different_levels(readings: Sequence[Reading], k: float, law: Law) -> None:
     """Raise ValueError where readings cannot distinguish the terms of a law, were read with another stiffness, or two
     of them are of the same signals."""
-    number("stiffness", k)
+    number("stiffness", k, NUMBERS["k"])
     law.require([r.steady.frequency_hz for r in readings], by_balance=False)
     for steady in (reading.steady for reading in readings):
         if steady.k != k:

@@ -1,4 +1,4 @@
-"""The arguments that every kind of records shares: the records, the stiffness and the mass."""
+"""What is asked of an identification: the records, read, and the options, checked."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, get_args
 
-from ..arguments import NUMBERS
+from ..arguments import flag, one_of, whole
 from ..findings.finding import Finding
 from ..findings.words import sentence
+from ..law.law import law_of
+from ..project.options import IN_WORDS, OPTIONS, Option, asked
 from ..records.coordinate import TRANSLATION
 from ..records.mapping import MappingLike
 from ..records.measured import as_records, require_different
-from ..records.quantities import mass_with_error, read_quantity, with_error
+from ..records.quantities import quantity, read_quantity, with_error
 from ..records.record import Record
 from .loading import levels_of
 
@@ -22,19 +24,21 @@ if TYPE_CHECKING:
     from ..records.measured import ReaderOfTables, RecordLike
     from .result import Result
 
-Stated: TypeAlias = float | tuple[float, float] | str
-"""A number in SI, alone or with its standard uncertainty, 2310.0 or (2310.0, 10.0), or a text: "2.31 ± 0.01 N/mm"."""
-
-IN_WORDS = {
-    "forced": "forced records",
-    "ring-down": "free decays",
-    "stepped-sine": "tables of a stepped sine",
-    "loops": "measured loops",
-}
-"""Kinds of records, as messages call them."""
-
-
 _ANY = 1e3  # k₀/m, rad²/s², of 5 Hz
+
+
+_READERS: Mapping[str, Callable[[Option, Any], Any]] = {
+    "flag": lambda of, value: flag(of.name, value),
+    "whole": lambda of, value: whole(of.name, value, of.bounds),
+    "number": lambda of, value: quantity(of.name, value, of.bounds),
+    "stated": lambda of, value: with_error(of.name, value, of.bounds, of.uncertainty),
+    "path": lambda _, value: str(value) if isinstance(value, str | Path) else None,
+    "names": lambda _, value: list(value),
+    "coefficients": lambda _, value: dict(value),
+    "labels": lambda _, value: {symbol: list(labels) for symbol, labels in value.items()},
+    "choice": lambda of, value: one_of(of.name, value, get_args(of.type)),
+}
+"""Form of the value of an option → its reader, for one that is not None."""
 
 
 def with_stiffness_by_mass(
@@ -63,43 +67,48 @@ def with_stiffness_by_mass(
     return {**options, "stiffness_standard_error_N_per_m": k * error}, k
 
 
-def rig_options(
-    stiffness: Stated | None, mass: Stated | None, needed_by: str = ""
-) -> dict[str, Any]:
-    """Return the stiffness and the mass with their standard uncertainties, by the keys of a configuration.
+def read_options(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return all options of a kind of records, checked, by the keys of a configuration.
 
-    needed_by : kind of records that needs the stiffness; none may do without it where this is empty.
+    options : by their names.
 
-    Raises ValueError for a stiffness that is missing with the mass, and for a number that is none.
+    Raises TypeError for a name that no option has, ValueError for an option that does not apply, for a value that is
+    wrong, and for a stiffness that is missing with the mass.
     """
-    if stiffness is None and mass is None and needed_by:
-        kind = Finding("no stiffness", {"kind": IN_WORDS[needed_by]})
-        raise ValueError(sentence(kind, TRANSLATION))
-    k, k_error = (None, 0.0) if stiffness is None else with_error("stiffness", stiffness)
-    m, m_error = (None, None) if mass is None else mass_with_error(mass)
-    return {
-        "stiffness_N_per_m": k,
-        "stiffness_standard_error_N_per_m": k_error,
-        "mass_kg": m,
-        "mass_standard_error_kg": m_error,
-    }
+    given = asked(kind, options)
+    if kind in ("forced", "ring-down") and not {"stiffness", "mass"} & given.keys():
+        kind_in_words = Finding("no stiffness", {"kind": IN_WORDS[kind]})
+        raise ValueError(sentence(kind_in_words, TRANSLATION))
+    law = law_of(*map(given.get, ("terms", "given", "groups")))
+    given |= {"terms": law.terms, "given": law.given, "groups": law.groups}
+    read: dict[str, Any] = {"kind": kind}
+    for option in OPTIONS.values():
+        if kind in option.kinds:
+            value = given.get(option.name, option.default)
+            if value is not None:
+                value = _READERS[option.form](option, value)
+            if option.error_key:
+                value, read[option.error_key] = value or (None, None)
+            read[option.key] = value
+    return read
 
 
-def records_of(
+def read_request(
     kind: str,
     records: RecordLike | Sequence[RecordLike],
     mapping: MappingLike,
+    options: Mapping[str, Any],
     reader: ReaderOfTables | None = None,
-    **stated: Stated | None,
-) -> tuple[Record, ...]:
-    """Read the records of one kind, several levels of excitation in one as a record for each.
+) -> tuple[tuple[Record, ...], dict[str, Any]]:
+    """Return the records of one kind, several levels of excitation in one as a record for each, and all options as
+    `read_options` does.
 
-    reader : of tables of a stepped sine, as for `as_records`.   stated : stiffness
-    and mass, whose units must be of the records' coordinate.
+    reader : of tables of a stepped sine, as for `as_records`.
 
-    Raises ValueError as `require_different`, for a table of a stepped sine among others or the other way round, and for
-    a stiffness in N/m of records that rotate and the like.
+    Raises ValueError as `read_options` and `require_different`, for a table of a stepped sine among others or the other
+    way round, and for a stiffness in N/m of records that rotate and the like.
     """
+    asked_for = read_options(kind, {**options, "mapping": mapping})
     read = as_records(records, mapping=mapping, free=kind == "ring-down", reader=reader)
     require_different(read)
     tables = kind == "stepped-sine"
@@ -110,17 +119,15 @@ def records_of(
             raise ValueError(
                 f"{record.name} is {is_it} table of a stepped sine: identify it separately, as {others}"
             )
-    for name, value in stated.items():
-        of_unit = read_quantity(name, value).coordinate if isinstance(value, str) else None
+    for name in ("stiffness", "mass"):
+        value, option, of_unit = options.get(name), OPTIONS[name], None
+        if isinstance(value, str):
+            of_unit = read_quantity(name, value, option.bounds).coordinate
         if of_unit not in (None, read[0].coordinate):
-            unit = read[0].coordinate.unit(NUMBERS[name].unit)
+            unit = read[0].coordinate.unit(option.unit)
             raise ValueError(
                 f"{name} = {value} does not fit {read[0].name}, a {read[0].coordinate.name}: give it in a unit such as "
                 f"{unit}"
             )
-    return read if kind != "forced" else tuple(itertools.chain(*map(levels_of, read)))
-
-
-def mapping_option(mapping: MappingLike) -> str | None:
-    """Return the path of a mapping for the document; None where it is none."""
-    return str(mapping) if isinstance(mapping, str | Path) else None
+    levels = tuple(itertools.chain(*map(levels_of, read))) if kind == "forced" else read
+    return levels, asked_for

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal, NamedTuple, TypeAlias, get_args
+from typing import Any, NamedTuple
 
-from ..arguments import one_of
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..law.law import Law
 from ..records.coordinate import Coordinate
-from ..records.quantities import quantity
 from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from .loading import load
 from .oscillator import JointFit, joint_fit
-
-Held: TypeAlias = Literal["ground", "base"]
-"""Either end of a rig that holds the other side of a contact."""
 
 
 class Masses(NamedTuple):
@@ -29,29 +24,6 @@ class Masses(NamedTuple):
 
     moving: float | None
     on_base: float | None
-
-
-def held_by(
-    contact_to: str,
-    fixture_mass: float | str | None,
-    rig: Mapping[str, Any],
-) -> dict[str, Any]:
-    """Return what holds the contact, and the mass of a fixture, by the keys of a configuration.
-
-    For a mount, whose contact and damper both go to the base, the motion against the base takes the place of x.
-
-    rig : stiffness and mass, by their keys.   Others are as for `identify_forced`.
-
-    Raises ValueError for a mount whose mass or stiffness is missing.
-    """
-    of_contact = one_of("contact_to", contact_to, get_args(Held))
-    if of_contact == "base" and None in (rig["stiffness_N_per_m"], rig["mass_kg"]):
-        raise ValueError(
-            "contact_to = base needs stiffness and mass, as a mount moves as under the force −mÿ: weigh what stands on "
-            "it (--mass)"
-        )
-    fixture = None if fixture_mass is None else quantity("fixture_mass", fixture_mass)
-    return {"contact_to": of_contact, "fixture_mass_kg": fixture}
 
 
 def require_driven_by(base: bool, records: Sequence[Record], code: str) -> None:
@@ -65,12 +37,19 @@ def require_driven_by(base: bool, records: Sequence[Record], code: str) -> None:
 def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
     """Return the masses of a rig from options by the keys of a configuration.
 
-    A load cell feels the inertia of what is between it and the mass: f = mẍ + … + m_f ẍ, so that m + m_f moves.
+    Where contact and damper of a mount both go to the base, the motion against the base takes the place of x. A load
+    cell feels the inertia of what is between it and the mass: f = mẍ + … + m_f ẍ, so that m + m_f moves.
 
-    Raises ValueError for a mount that a force drives, and for a fixture without a load cell.
+    Raises ValueError for a mount whose mass or stiffness is missing or that a force drives, and for a fixture without a
+    load cell.
     """
     mass, fixture = options["mass_kg"], options["fixture_mass_kg"]
     if options["contact_to"] == "base":
+        if None in (options["stiffness_N_per_m"], mass):
+            raise ValueError(
+                "contact_to = base needs stiffness and mass, as a mount moves as under the force −mÿ: weigh what "
+                "stands on it (--mass)"
+            )
         require_driven_by(True, records, "no base")
     if fixture is not None:
         require_driven_by(False, records, "no load cell")

@@ -38,7 +38,7 @@ _UNTESTED = {
 def with_stated_uncertainties(found: Result[B]) -> Result[B]:
     """Return an identification whose errors, intervals and covariances hold what its options and the mappings of its
     records state, and which says on what it depends."""
-    stiffness = found.options.get("stiffness_standard_error_N_per_m", 0.0)
+    stiffness = found.options.get("stiffness_standard_error_N_per_m") or 0.0
     stiffness = stiffness and stiffness / found.k
     m, m_error = (found.options.get(name) for name in ("mass_kg", "mass_standard_error_kg"))
     of_mass = m_error / m if m else 0.0

@@ -11,11 +11,10 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
-from ..arguments import flag, one_of
 from ..arrays import Integers, Mask
 from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
@@ -30,12 +29,13 @@ from ..identification.answer import (
     covariance_of,
 )
 from ..identification.level import Level
-from ..identification.request import Stated, mapping_option, records_of, rig_options
+from ..identification.request import read_request
 from ..identification.result import Picture, Result
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
+from ..project.options import Stated, SteppedSineOptions, with_options
 from ..project.wording import listed
 from ..records.mapping import MappingLike
 from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
@@ -50,9 +50,6 @@ if TYPE_CHECKING:
 
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
 _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
-Asked = Literal["both", "one slider", "gradual"]
-"""Contacts that can be asked for."""
-
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
 
 
@@ -189,17 +186,13 @@ def damping_at(found: Result[SteppedBasis], X: ArrayLike, frequency_hz: ArrayLik
     return pd.DataFrame({"X_m": X, **columns})
 
 
+@with_options(SteppedSineOptions)
 def identify_joint(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    mass: Stated | None = None,
-    terms: Sequence[str] | str | None = None,
-    given: Mapping[str, float] | None = None,
-    contact: Asked = "both",
-    hardening: bool = True,
-    residual: bool = False,
+    **options: Unpack[SteppedSineOptions],
 ) -> Result[SteppedBasis]:
     """Identify the contact and the damping of a joint from tables of a stepped sine: a line for each steady response,
     with its frequency, amplitudes and phase, at two levels of excitation at least, in one table or several.
@@ -207,13 +200,7 @@ def identify_joint(
     records : as `read_records` returns or takes them.
     stiffness : k of the spring, N/m, as for `identify_forced`; tables of responses to a force do without.
     mapping : what the tables do not say of their columns, where they are read here.
-    mass : kg, if it is known, as for `identify_forced`.
-    terms : of the damping law, symbols of `KNOWN_TERMS`; default, F_k, c and those that are given.
-    given : symbol → known coefficient, SI units; not F_k.
-    contact : "one slider", that of the paper, "gradual", many that slip one after the other as the interface of a
-    bolted joint does, or "both", of which the one that the lines support is the answer.
-    hardening : whether the spring may stiffen with the amplitude.
-    residual : whether other modes may move the driven point, too. Use it for a structure.
+    {options}
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range, records that are no such tables, fewer than two levels, lines that do not determine the
@@ -236,25 +223,25 @@ def identify_joint(
     >>> {symbol: f"{value:.3g}" for symbol, value in found.values.items()}
     {'F_k': '1.29', 'c': '9', 'K_z': '2.31e+03'}
     """
-    rig, law = rig_options(stiffness, mass), law_of(terms, given, None)
-    one_of("contact", contact, get_args(Asked))
-    own = {"hardening": flag("hardening", hardening), "residual": flag("residual", residual)}
-    reader = partial(read_lines, stated=True)
-    stated = {"stiffness": stiffness, "mass": mass}
-    read = records_of("stepped-sine", records, mapping, reader, **stated)
+    given = {"stiffness": stiffness, **options}
+    read, of = read_request(
+        "stepped-sine", records, mapping, given, partial(read_lines, stated=True)
+    )
+    law, contact = law_of(of["terms"], of["given"], None), of["contact"]
     tables = [record for record in read if isinstance(record, SteppedRecord)]
     if FRICTION in law.given:
         raise ValueError(
             f"{FRICTION} depends on the amplitudes of a stepped sine, and cannot be given: leave it out"
         )
-    k = rig["stiffness_N_per_m"]
+    k = of["stiffness_N_per_m"]
     lines, table_of = _lines(tables, k)
     asked: dict[str, Any] = {
         "terms": tuple(symbol for symbol in law.terms if symbol != FRICTION),
         "given": dict(law.given),
         "stiffness": k,
-        "mass": rig["mass_kg"],
-        **own,
+        "mass": of["mass_kg"],
+        "hardening": of["hardening"],
+        "residual": of["residual"],
     }
     contacts, compared = _CONTACTS if contact == "both" else (contact,), None
     if contact == "both" and len(lines.names) > 2:
@@ -265,19 +252,12 @@ def identify_joint(
     first = next(iter(fits.values()))
     by_force = all(of.table.by_force for of in tables)
     tested = {
-        name: list(_on_stiffness(fit, rig["stiffness_standard_error_N_per_m"])) if by_force else []
+        name: list(_on_stiffness(fit, of["stiffness_standard_error_N_per_m"] or 0.0))
+        if by_force
+        else []
         for name, fit in fits.items()
     }
     by_base = ~np.array([of.table.by_force for of in tables])[table_of]
-    options = {
-        "kind": SteppedBasis.kind,
-        **rig,
-        "terms": list(law.terms),
-        "given": dict(law.given),
-        "contact": contact,
-        **own,
-        "mapping": mapping_option(mapping),
-    }
     check, *implied = [*([compared.finding()] if compared else []), *_rig(first, lines)]
     unknown = {FRICTION: math.inf, "K_z": math.inf}
     unsure = compared is None and len(contacts) > 1
@@ -297,7 +277,7 @@ def identify_joint(
         check=[check],
         settings={"law": {"terms": law.terms, "given": law.given}, "confidence": CONFIDENCE},
         records=tuple(tables),
-        options=options,
+        options=of,
     )
     return with_stated_uncertainties(found)
 

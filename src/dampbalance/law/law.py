@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from ..arguments import items, mapping, names, number
+from ..arguments import NUMBERS, items, mapping, names, number
 from .terms import FRICTION, Term, in_order, symbols_in_words, term
 
 _GIVEN = "a mapping of symbols to coefficients"
@@ -53,7 +53,7 @@ class Law:
             object.__setattr__(self, name, {self.term(symbol): of for symbol, of in named.items()})
         for symbol, value in self.given.items():
             label = f"the given {symbol} ({self.term(symbol).unit or 'no unit'})"
-            if number("given", value, label) == 0.0 and symbol == FRICTION:
+            if number(label, value, NUMBERS["given"]) == 0.0 and symbol == FRICTION:
                 raise ValueError(f"the given {symbol} must be a positive number of N, got {value}")
             if symbol in self.groups:
                 raise ValueError(

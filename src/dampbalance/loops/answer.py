@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
-from ..arguments import flag
 from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
@@ -28,15 +27,14 @@ from ..identification.answer import (
     covariance_of,
 )
 from ..identification.level import Level
-from ..identification.request import Stated, mapping_option, records_of
+from ..identification.request import read_request
 from ..identification.result import Picture, Result
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.terms import FRICTION
+from ..project.options import LoopOptions, Stated, with_options
 from ..project.wording import listed
 from ..records.mapping import MappingLike
-from ..records.quantities import quantity
-from ..records.quantities import with_error as read_with_error
 from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95
 from .cycles import Loop
@@ -248,26 +246,23 @@ def _stiffer(fit: LoopFit, loop: Loop, drift: float) -> Array:
     return np.array([1.0 + (F - width) / fit.contact.F_k for F, width, _ in moved])
 
 
+@with_options(LoopOptions)
 def identify_loops(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    mass: Stated | None = None,
-    normal_force: Stated | None = None,
-    fixture_stiffness: float | str | None = None,
-    backlash: bool = True,
+    **options: Unpack[LoopOptions],
 ) -> Result[LoopBasis]:
     """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement: a record of five
     cycles or more of any periodic motion, or several at other amplitudes and speeds.
 
     records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact.
-    stiffness, mass : leave both out: loops have no oscillator, and a spring in parallel to the contact is identified.
+    stiffness : leave it out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
-    normal_force : N, alone or with its standard uncertainty, instead of a channel normal_force of the records; with
-    either μ = F_k/N is known, too. Records with a channel each share one μ, and F_k is that at their mean normal force.
-    fixture_stiffness : N/m, of a fixture in series whose deflection the displacement includes.
-    backlash : whether a dead band in the fixture is looked for, and named where it is there.
+    {options}
+
+    Records with a channel normal_force each share one μ, and F_k is that at their mean normal force.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a record
     without force or displacement, of fewer than five cycles, a stiffness or a mass.
@@ -282,17 +277,10 @@ def identify_loops(
     >>> round(found.values["F_k"], 3), round(found.values["K_z"], -2)
     (10.0, 50000.0)
     """
-    for name, value in {"stiffness": stiffness, "mass": mass}.items():
-        if value is not None:
-            raise ValueError(
-                f"{name} (--{name}) is for an oscillator, and these are measured loops: leave it out, a spring in "
-                "parallel to the contact is identified"
-            )
-    normal = None if normal_force is None else read_with_error("normal_force", normal_force)
-    series = None if fixture_stiffness is None else quantity("fixture_stiffness", fixture_stiffness)
-    backlash = flag("backlash", backlash)
-    read = records_of("loops", records, mapping)
-    loops, measured, odd = read_loops(read, series)
+    read, of = read_request("loops", records, mapping, {"stiffness": stiffness, **options})
+    N, backlash = of["normal_force_N"], of["backlash"]
+    normal = None if N is None else (N, of["normal_force_standard_error_N"])
+    loops, measured, odd = read_loops(read, of["fixture_stiffness_N_per_m"])
     normal = normal or measured
     share = MOST_SAMPLES / sum(loop.own.size for loop in loops)
     fits, forces = _fits(loops, share, backlash), np.ones(len(loops))
@@ -320,13 +308,7 @@ def identify_loops(
         check=[Finding(_COMPARED[next(iter(fits))])],
         settings={"confidence": CONFIDENCE},
         records=tuple(read),
-        options={
-            "kind": "loops",
-            "normal_force_N": normal and normal[0],
-            "fixture_stiffness_N_per_m": series,
-            "backlash": backlash,
-            "mapping": mapping_option(mapping),
-        },
+        options=of,
     )
     found = with_stated_uncertainties(found)
     if normal is None:

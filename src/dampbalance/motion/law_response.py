@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..arguments import instance, mapping, number
+from ..arguments import NUMBERS, instance, mapping, number
 from ..law.terms import FRICTION, term
 from ..model import BaseMotion, Oscillator
 from .law_steady import Response, steady_response
@@ -28,5 +28,5 @@ def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, f
             raise ValueError(f"{symbol} is the {words} of a group of records: name the term alone")
         if symbol in (FRICTION, "c"):
             raise ValueError(f"the {words} belongs to the oscillator: set Oscillator.{symbol}")
-        coefficients[symbol] = number("given", p, f"{symbol} ({words})")
+        coefficients[symbol] = number(f"{symbol} ({words})", p, NUMBERS["given"])
     return steady_response(oscillator, motion, coefficients)

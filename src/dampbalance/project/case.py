@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import functools
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -19,6 +21,7 @@ from .documents import (
     read_schema,
     read_yaml,
 )
+from .options import contradictions, schema_of_options
 
 NOT_GIVEN: Any = None
 SCHEMA = Path(__file__).with_name("schemas") / "config.schema.yaml"
@@ -123,6 +126,15 @@ _CASE_FIELDS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 }
 
 
+@functools.cache
+def read_case_schema() -> Any:
+    """Return the schema of a configuration, the keys of `project.options` among those of a set of records."""
+    schema = copy.deepcopy(read_schema(SCHEMA))
+    values = schema["$defs"].pop("values")
+    schema["properties"]["measured"]["items"]["properties"] |= schema_of_options(values)
+    return schema
+
+
 def check_case(config: Mapping[str, Any], files: Iterable[str | Path]) -> None:
     """Check a configuration against its schema and for sense.
 
@@ -131,7 +143,7 @@ def check_case(config: Mapping[str, Any], files: Iterable[str | Path]) -> None:
     Raises ConfigurationError listing every problem, a line each.
     """
     documents = documents_of(files)
-    problems = against_schema(config, read_schema(SCHEMA))
+    problems = against_schema(config, read_case_schema())
     problems = problems or list(_contradictions(config))
     if problems:
         raise ConfigurationError(in_lines(problems, documents))
@@ -176,3 +188,6 @@ def _contradictions(config: Mapping[str, Any]) -> Iterable[Problem]:
         rules = config["as_published"][name]
         if rules.get("X_s_mark_m") is not None and rules.get("X_s_decimals") is not None:
             yield ("as_published", name, "X_s_mark_m"), "not together with X_s_decimals; keep one"
+    for i, settings in enumerate(config.get("measured") or []):
+        for key, text in contradictions(settings):
+            yield ("measured", i, key), text

@@ -1,8 +1,7 @@
 """Numbers as people write them: 29.7 lbf/in, 5,2e3, 2310 ± 10 N/m, 3.1 kg ± 0.5 %, 210 rpm.
 
-A number of the table `arguments.NUMBERS` may be a text with a unit, any that `units.factor_to` reads, and comes out in
-SI. A comma or a point is the decimal mark; where a comma may separate thousands as well, as in "2,310", the number is
-refused.
+A number may be a text with a unit, any that `units.factor_to` reads, and comes out in SI. A comma or a point is the
+decimal mark; where a comma may separate thousands as well, as in "2,310", the number is refused.
 """
 
 from __future__ import annotations
@@ -16,8 +15,6 @@ from ..arguments import NUMBERS, Bounds, number, refuse, shown
 from .coordinate import Coordinate
 from .units import UnitError, factor_to
 
-# relative uncertainty of a mass: fixture, driver and half of the springs move along and are seldom weighed
-_MASS_UNCERTAINTY = 0.005
 _UNCERTAIN = r"\s*(?:±|\+/?[-−])\s*"  # between a number and its standard uncertainty
 _THOUSAND = r"[ '_\u00a0\u202f]"  # marks of thousands that are no decimal marks
 _NUMBER = re.compile(
@@ -48,12 +45,14 @@ class Quantity(NamedTuple):
     coordinate: Coordinate | None
 
 
-def read_quantity(name: str, text: str, unit: str | None = None) -> Quantity:
-    """Read a number of the table with its unit and uncertainty: "5.2 N/mm ± 1 %", "(2310 ± 10) N/m", "3,1±0,01".
+def read_quantity(name: str, text: str, bounds: Bounds | None = None) -> Quantity:
+    """Read a number with its unit and uncertainty: "5.2 N/mm ± 1 %", "(2310 ± 10) N/m", "3,1±0,01".
 
-    unit : SI, where the table states none.   Raises ValueError naming the argument, the text, and what is understood.
+    bounds : default, those of its name in `arguments.NUMBERS`.
+
+    Raises ValueError naming the argument, the text, and what is understood.
     """
-    bounds = NUMBERS[name] if unit is None else NUMBERS[name]._replace(unit=unit)
+    bounds = bounds or NUMBERS[name]
     end = ")" if text.strip()[:1] == "(" else "\0"
     inner, _, behind = re.sub(r"^\s*\(", "", text).partition(end)
     written = [(_NUMBER.match(part), part) for part in re.split(_UNCERTAIN, inner.strip())]
@@ -69,7 +68,7 @@ def read_quantity(name: str, text: str, unit: str | None = None) -> Quantity:
         of_its_error = 0.01 if relative else _factor(bounds.unit, of_error or of_value)[0]
     except UnitError as unfit:
         _refuse_text(name, bounds, text, f": {unfit}")
-    value = number(name, float(plain) * factor)
+    value = number(name, float(plain) * factor, bounds)
     last_digit = 10.0 ** int(plain.as_tuple().exponent) * factor
     uncertainty = float(error) * of_its_error * (value if relative else 1.0)
     return Quantity(value, uncertainty if len(parts) == 2 else None, last_digit, coordinate)
@@ -108,42 +107,35 @@ def _refuse_text(name: str, bounds: Bounds, text: str, why: str = "") -> NoRetur
     raise ValueError(f"{name} must be {wanted}, got {shown(text)}{why}")
 
 
-def quantity(name: str, value: object, unit: str | None = None) -> float:
-    """Return a number of the table as a float, SI; a text as `read_quantity` reads it, without an uncertainty."""
+def quantity(name: str, value: object, bounds: Bounds | None = None) -> float:
+    """Return a number as a float, SI; a text as `read_quantity` reads it, without an uncertainty."""
     if not isinstance(value, str):
-        return number(name, value)
-    read = read_quantity(name, value, unit)
+        return number(name, value, bounds)
+    read = read_quantity(name, value, bounds)
     if read.error is not None:
         raise ValueError(f"{name} takes no uncertainty, got {shown(value)}: give the number alone")
     return read.value
 
 
-def with_error(name: str, value: object) -> tuple[float, float]:
-    """Return a number of the table and its standard uncertainty, SI: 2310.0, (2310.0, 10.0), or a text as
-    `read_quantity` reads it, "2310±10" or "5.2 N/mm ± 1 %"."""
+def with_error(
+    name: str, value: object, bounds: Bounds | None = None, uncertainty: float = 0.0
+) -> tuple[float, float]:
+    """Return a number and its standard uncertainty, SI: 2310.0, (2310.0, 10.0), or a text as `read_quantity` reads it,
+    "2310±10" or "5.2 N/mm ± 1 %".
+
+    uncertainty : of a number alone, as a part of it, above 0; half a unit of the last digit of a text where that is
+    more: a number has no digits. With 0.005, 3.1 has one of 0.0155, and so has "3.100"; "3.1" has 0.05. (3.1, 0.0) and
+    "3.1±0" are exact.
+    """
+    bounds, last_digit = bounds or NUMBERS[name], 0.0
     pair: Any = value
     if isinstance(value, str):
-        read = read_quantity(name, value)
-        if read.error is None:
-            return read.value, 0.0
-        pair = read[:2]
+        plain, error, last_digit, _ = read_quantity(name, value, bounds)
+        pair = plain if error is None else (plain, error)
     if not isinstance(pair, list | tuple) or len(pair) != 2:
-        return number(name, value), 0.0
-    plain, error = number(name, pair[0]), pair[1]
+        plain = number(name, pair, bounds)
+        return plain, max(0.5 * last_digit, uncertainty * plain) if uncertainty else 0.0
+    plain, error = number(name, pair[0], bounds), pair[1]
     if isinstance(error, bool) or not (isinstance(error, Real) and 0.0 <= float(error) < plain):
-        wanted = f"{NUMBERS[name]}, with an uncertainty below it, (2310, 10) or 2310±10"
-        refuse(name, wanted, value)
+        refuse(name, f"{bounds}, with an uncertainty below it, (2310, 10) or 2310±10", value)
     return plain, float(error)
-
-
-def mass_with_error(value: object) -> tuple[float, float]:
-    """Return a mass and its standard uncertainty, kg, in the forms of `with_error`; that of a mass alone is 0.5 %, or
-    half a unit of the last digit of a text where that is more: a number has no digits.
-
-    3.1 has one of 0.0155 kg, and so has "3.100"; "3.1" has 0.05 kg; (3.1, 0.0) and "3.1±0" are exact.
-    """
-    plain, error = with_error("mass", value)
-    read = read_quantity("mass", value) if isinstance(value, str) else None
-    if isinstance(value, list | tuple) or (read and read.error is not None):
-        return plain, error
-    return plain, max(0.5 * read.last_digit if read else 0.0, _MASS_UNCERTAINTY * plain)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arguments import instance, mapping, names, number, shown, whole
+from ..arguments import NUMBERS, instance, mapping, names, number, shown, whole
 from ..arrays import Array
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import Orbit
@@ -165,7 +165,7 @@ def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:
         return dict.fromkeys(channels, number("noise", noise))
     parts = mapping("noise", noise, "a mapping of quantities to numbers")
     names("quantities", list(parts), (*EXCITATIONS, *RESPONSES, *ROTATING))
-    return {q: number("noise", part, f"noise of {q}") for q, part in parts.items()}
+    return {q: number(f"noise of {q}", part, NUMBERS["noise"]) for q, part in parts.items()}
 
 
 def _random(seed: object) -> np.random.Generator:

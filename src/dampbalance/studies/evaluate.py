@@ -26,7 +26,7 @@ from .cases import (
     identified_by,
 )
 from .parameters import SI_COLUMNS, of_law, parameter
-from .study_file import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Fit, Study
+from .study_file import LIKELIHOOD, RIGID, SIMPSON, WEIGHTED, Estimator, Study
 
 READ = (
     *("X", "X_s", "X_r", "V_s", "V_r", "t_s", "t_r", "phi"),
@@ -84,7 +84,7 @@ def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:
     table |= {name: si[key] for name, key in of_law(values).items()}
     table |= {"case": cases.numbers} | {name: values[name] for name in study.axis_names}
     table["regime"] = _regime_names(responses.features.regime)
-    cached: dict[Fit, Rows] = {}
+    cached: dict[Estimator, Rows] = {}
     for fit in study.fits:
         table[f"residual__{fit.label}"] = np.full(len(cases.numbers), np.nan)
         if fit.approach == LIKELIHOOD:
@@ -126,7 +126,10 @@ def _with_errors(rows: Rows, drawn: Rows, weighted: bool) -> tuple[Estimate, dic
 
 
 def _results(
-    fit: Fit, estimates: Mapping[str, Array], errors: Mapping[str, Array], si: Mapping[str, Array]
+    fit: Estimator,
+    estimates: Mapping[str, Array],
+    errors: Mapping[str, Array],
+    si: Mapping[str, Array],
 ) -> dict[str, Array]:
     """Return the columns of a fit: coefficients and their relative errors; with standard errors also these, and whether
     estimate ± 1.96 standard errors holds the true value."""
@@ -161,7 +164,7 @@ def _responses(cases: Cases, threads: int | None) -> Responses:
 
 
 def _rows(
-    fit: Fit, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
+    fit: Estimator, responses: Features, k: Array, rules: Sequence[tuple[Integers, ReadOut]]
 ) -> Rows:
     """Return the rows of the balance that the approach of a fit forms from features.
 

@@ -216,7 +216,7 @@ _KEYS_OF_STUDY = ("columns", "chunk_cases", "summary_by", "figure")
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class Estimator:
     """One way to identify F_k and c in a case: rows, phase, contact, weights, and the levels that it takes.
 
     approach : an object of `Approach`, or a name of YARDSTICKS.   phase : reversal, zero_crossing or fundamental.
@@ -287,7 +287,7 @@ class Study:
     fixed: Mapping[str, float | int | str]
     levels: tuple[float, ...]
     levels_relative: bool
-    fits: tuple[Fit, ...]
+    fits: tuple[Estimator, ...]
     route: Route
     cycles: int
     chunk_cases: int
@@ -337,7 +337,7 @@ class Study:
         samples = [block.seed for block in self.blocks if isinstance(block, Sampled)]
         return [*samples, self.seed] if self.route.is_noisy else samples
 
-    def fits_of(self, spec: Mapping[str, Any]) -> list[Fit]:
+    def fits_of(self, spec: Mapping[str, Any]) -> list[Estimator]:
         """Return the fits that a number or a figure selects by the keys that it sets.
 
         lines : label → such a selection, each of one fit; none is selected where one of them selects none or several.
@@ -415,7 +415,7 @@ def paper_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
     return {"base": base, "levels_m": levels}
 
 
-def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
+def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Estimator]:
     kinds = estimation.get("fits", ["least_squares"])
     levels = [None if kind == "least_squares" else (kind[0] - 1, kind[1] - 1) for kind in kinds]
     of_phase = estimation.get("phases", ["reversal"]), estimation.get("sharing", ["individual"])
@@ -425,10 +425,10 @@ def _fits(estimation: Mapping[str, Any], way: Route) -> Iterator[Fit]:
     for chosen in map(approach, estimation.get("approaches", APPROACHES)):
         choices = of_phase if chosen.takes_phase else ([""], [""])
         for choice in product(*choices, contacts, weights, levels, terms):
-            yield Fit(chosen, *choice)
+            yield Estimator(chosen, *choice)
     of_yardsticks = {SIMPSON: (RIGID, EQUAL), LIKELIHOOD: (COMPLIANT, "")}
     for name in estimation.get("yardsticks", []):
         if name == CONTACT:
-            yield Fit(LIKELIHOOD, "", "", *of_yardsticks[LIKELIHOOD], None, (*TERMS, CONTACT))
+            yield Estimator(LIKELIHOOD, "", "", *of_yardsticks[LIKELIHOOD], None, (*TERMS, CONTACT))
         else:
-            yield Fit(name, "", "", *of_yardsticks[name], None)
+            yield Estimator(name, "", "", *of_yardsticks[name], None)

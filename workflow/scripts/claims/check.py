@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from dampbalance.project.files import write_text
-from dampbalance.replication.claims.print import read_texts
+from dampbalance.replication.claims.printed import read_texts
 from dampbalance.replication.claims.table import CLAIM_COLUMNS, check_claims, read_record, summary
 
 if __name__ == "__main__":

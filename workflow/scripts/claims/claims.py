@@ -5,7 +5,7 @@ from pathlib import Path
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, write_csv, write_text
 from dampbalance.replication.claims.causes import Sources
-from dampbalance.replication.claims.print import read_published
+from dampbalance.replication.claims.printed import read_published
 from dampbalance.replication.claims.table import claims_markdown, claims_table
 from dampbalance.replication.numbers import by_key
 

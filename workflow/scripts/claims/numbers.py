@@ -5,7 +5,7 @@ from pathlib import Path
 from dampbalance.project.case import Case
 from dampbalance.project.files import EVERY_DIGIT, read_csv, read_routes, write_csv
 from dampbalance.replication import numbers
-from dampbalance.replication.claims import print as paper_print
+from dampbalance.replication.claims import printed
 
 if __name__ == "__main__":
     p = snakemake.params
@@ -17,7 +17,7 @@ if __name__ == "__main__":
     features["unrounded"] = dict(zip(case.frequencies_hz, unrounded, strict=True))
     routes, ids = numbers.of_routes(case, features, estimates), {}
     if p.published:
-        published = paper_print.read_published(Path(p.published))
-        routes["from_print"] = paper_print.from_print(published, case)
+        published = printed.read_published(Path(p.published))
+        routes["from_print"] = printed.from_print(published, case)
         ids = published.ids
     write_csv(snakemake.output.csv, numbers.numbers_table(routes, ids), EVERY_DIGIT)

@@ -3,7 +3,8 @@
 import sys
 from pathlib import Path
 
-from dampbalance.measured import configured, identify
+from dampbalance.measured import identify
+from dampbalance.project.options import configured
 
 if __name__ == "__main__":
     p = snakemake.params

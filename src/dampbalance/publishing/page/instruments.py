@@ -9,7 +9,7 @@ from ...figures.looks import label_of, look_of
 from ...project.case import Case
 from ...replication.comparison import RECIPES, WAYS_TO_COMPARE
 from ..colours import variable
-from ..words import titled
+from ..typesetting import titled
 
 IN_THE_BROWSER = ("direct", "X_s", "t_s", "V_s", "fourier")  # the approaches that kit.js knows
 STEPS = 200  # of a slider, at least

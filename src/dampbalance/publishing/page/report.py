@@ -34,7 +34,7 @@ from ...replication.comparison import WAY, approaches_table, mends, off_resonanc
 from ...replication.numbers import Numbers
 from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, paper_tables
 from ...studies.study_file import Study
-from .. import words
+from .. import typesetting
 from ..colours import css_variables
 from .instruments import instruments_data, slider_controls
 
@@ -207,19 +207,19 @@ def _figure(name: str, svg: str) -> dict[str, Any]:
 
 def _environment(case: str, page: str) -> jinja2.Environment:
     """Return templates with the filters that they use; an undefined name is an error."""
-    environment = words.templates(jinja2.PackageLoader(__package__), html=True)
+    environment = typesetting.templates(jinja2.PackageLoader(__package__), html=True)
     compact = {"ensure_ascii": False, "allow_nan": False, "separators": (",", ":")}
     environment.policies["json.dumps_kwargs"] = compact
     environment.filters |= {
-        "rich": words.rich_markup,
-        "titled": words.titled,
-        "quantity": words.quantity_markup,
-        "reason": words.reason,
-        "symbol": words.symbol,
+        "rich": typesetting.rich_markup,
+        "titled": typesetting.titled,
+        "quantity": typesetting.quantity_markup,
+        "reason": typesetting.reason,
+        "symbol": typesetting.symbol,
         "minus": _typeset,
         "here": lambda path: posixpath.relpath(path.format(case=case), posixpath.dirname(page)),
         "at_case": lambda path: path.format(case=case),
-        "approach": lambda key: words.rich_markup(label_of(key)),
+        "approach": lambda key: typesetting.rich_markup(label_of(key)),
         "bound": lambda error: f"{wording.power_of_ten(float(error))} %",
         "significant": lambda value, digits: number_text(float(value), digits),
         "unit": unit_text,

@@ -22,7 +22,7 @@ from ..numbers import COEFFICIENTS, TABLE_2, Key, Numbers, features_of, of_estim
 from ..read_out import ReadOut
 from . import cross_checks
 from .judging import TIME_UNIT_S, VELOCITY_MARK, NumberRange, range_text
-from .print import PAIR_LABELS, PAIRS, Printed, Published, Row
+from .printed import PAIR_LABELS, PAIRS, Printed, Published, Row
 from .verdicts import ROUTE_NAMES
 
 

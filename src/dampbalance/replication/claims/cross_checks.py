@@ -35,7 +35,7 @@ from ...solver import solve
 from ..authors_route import APPROACHES_OF_TABLE_3, CORRECTED
 from ..numbers import COEFFICIENTS, HARMONIC_APPROACHES, TABLE_1, TABLE_2
 from .judging import NumberRange
-from .print import PAIRS, Printed, Published, Row, printed_features
+from .printed import PAIRS, Printed, Published, Row, printed_features
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult

@@ -19,7 +19,7 @@ from ..authors_route import CORRECTED, estimates
 from ..numbers import Numbers, features_of, of_estimates
 from ..read_out import ReadOut
 from .judging import HALF
-from .print import PAIRS, Printed
+from .printed import PAIRS, Printed
 from .table import SEPARATOR
 from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, part_of
 

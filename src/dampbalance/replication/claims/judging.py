@@ -33,7 +33,7 @@ from dataclasses import dataclass, field
 
 from ...project.case import Case
 from . import verdicts
-from .print import Printed, Row
+from .printed import Printed, Row
 from .verdicts import ROUTE_NAMES, ClaimVerdict
 
 NumberRange = tuple[float, float]

@@ -38,7 +38,7 @@ from ..read_out import ReadOut
 from . import causes, judging, unprinted
 from .causes import Joined, Sources
 from .judging import HALF, WRITTEN, Claim, Tolerance
-from .print import FILE, FREQUENCIES, LEVELS, LONGEST, PAIR_LABELS, PAIRS, Published, Row
+from .printed import FILE, FREQUENCIES, LEVELS, LONGEST, PAIR_LABELS, PAIRS, Published, Row
 from .verdicts import ROUTE_NAMES, ClaimKind
 
 

@@ -12,7 +12,7 @@ import pandas as pd
 from ...project.wording import in_markdown, markdown_table
 from .causes import Sources
 from .judging import explanation, verdict
-from .print import read_texts
+from .printed import read_texts
 from .rules import check_printed, claims, require_paper
 from .verdicts import HOLDING, KINDS, PARTS_OF_THE_PAPER, ROUTE_NAMES, VERDICTS, counts, part_of
 

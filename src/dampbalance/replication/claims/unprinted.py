@@ -18,7 +18,7 @@ from ...project.case import Case
 from ...solver import solve
 from ..authors_route import APPROACHES_OF_TABLE_3
 from ..numbers import COEFFICIENTS, HARMONIC_APPROACHES
-from .print import PAIRS
+from .printed import PAIRS
 
 DRAWS = 10_000
 """Draws of the read-outs: a share is known to half a per cent."""

@@ -20,7 +20,7 @@ from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
 from ..case_files import CasesLike, stretches, terms_of
 from ..parameters import parameter
-from ..study_file import Fit, Sampled, Study
+from ..study_file import Estimator, Sampled, Study
 from .statistics import Sizes, places_of
 
 MOST_BINS = 72  # along each axis
@@ -145,9 +145,9 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
 def _errors(
     cases: CasesLike,
     axes: Mapping[str, _Axis],
-    sizes: Mapping[tuple[Fit, str], Sizes],
+    sizes: Mapping[tuple[Estimator, str], Sizes],
     single: bool,
-) -> dict[tuple[Fit, str], Array]:
+) -> dict[tuple[Estimator, str], Array]:
     """Return the map of each fit and term, %, (bins of y, bins of x), NaN where it is unknown; counted a stretch of
     cases at a time, also into `sizes`.   axes : x and y, by name.   single : whether each place is one case."""
     x, y = axes.values()

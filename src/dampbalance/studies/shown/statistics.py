@@ -18,7 +18,7 @@ from ..bound import fit_at_truth
 from ..case_files import CasesLike, column_of
 from ..cases import cases_between
 from ..parameters import oscillator_of
-from ..study_file import Fit, Study
+from ..study_file import Estimator, Study
 
 # Bins of sizes: a quantile is good to 0.06 %, below the three digits that are shown.
 _PER_DECADE = 2000
@@ -122,7 +122,7 @@ def spread(
 
 
 def spread_of(
-    study: Study, cases: CasesLike, quantity: str, fit: Fit, kept: Integers
+    study: Study, cases: CasesLike, quantity: str, fit: Estimator, kept: Integers
 ) -> dict[str, float]:
     """Return the `spread` of one quantity by one fit over the cases with the numbers `kept`."""
     names = ["relative_error"]

@@ -23,7 +23,7 @@ from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
 from ..case_files import CasesLike, column_of, terms_of
 from ..parameters import parameter
-from ..study_file import Fit, Study, selected
+from ..study_file import Estimator, Study, selected
 from .maps import error_map
 from .statistics import spread_of, worst_errors
 
@@ -313,7 +313,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
     return panels.figure
 
 
-def _lines(study: Study) -> dict[str, Fit]:
+def _lines(study: Study) -> dict[str, Estimator]:
     """Return the fits to draw, by the label in the legend: the one given, or the approach and how it differs from
     others."""
     fits = study.fits_of(study.figure)
@@ -329,7 +329,7 @@ def _lines(study: Study) -> dict[str, Fit]:
 
 
 def _line_styles(
-    lines: Mapping[str, Fit], between: float = math.inf
+    lines: Mapping[str, Estimator], between: float = math.inf
 ) -> Iterator[tuple[float, dict[str, Any]]]:
     """Yield the ratio by which each line is moved along x, and its style. The lines of one approach have its colour:
     the first has filled marks, the second open ones, the third crosses.   between : least ratio of neighbouring

@@ -11,7 +11,7 @@ import pandas as pd
 
 from ...project.wording import in_markdown, listed, markdown_table, percent, signed_percent
 from ..case_files import stretches, terms_of
-from ..study_file import EQUAL, LIKELIHOOD, RIGID, Fit, Study
+from ..study_file import EQUAL, LIKELIHOOD, RIGID, Estimator, Study
 from .statistics import Sizes, bounds_of, groups, spread_of
 
 WITHIN = 0.01  # relative error that the summary counts as good
@@ -71,7 +71,7 @@ def _grouped_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]
                 yield record
 
 
-def _which(quantity: str, fit: Fit) -> dict[str, str]:
+def _which(quantity: str, fit: Estimator) -> dict[str, str]:
     """Return the columns of a table that identify the quantity and the fit of a row."""
     terms = {"terms": ", ".join(fit.terms)} if fit.terms and fit.approach != LIKELIHOOD else {}
     by = {"quantity": quantity, "approach": fit.approach, "phase": fit.phase}
