@@ -18,6 +18,7 @@ from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady
 from dampbalance.commands.main import main
 from dampbalance.measured import read_records
 from dampbalance.model import UNITS as OF_TRANSLATION
+from dampbalance.project.wording import in_html
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
 from dampbalance.records.errors import RecordError
 from dampbalance.records.measurement import Channel, Measurement
@@ -168,6 +169,7 @@ LEFT = re.compile(
 def test_no_unit_of_a_translation_is_left_in_any_output(forced, pendulum, tmp_path):
     for name, found in {"decay": pendulum, "forced": forced[1]}.items():
         names = {*found.sources, *(source.rpartition("/")[2] for source in found.sources)}
+        names |= {in_html(name) for name in names}
         files = [file for file in found.save(tmp_path / name) if file.suffix != ".png"]
         texts = {file.name: file.read_text(encoding="utf-8") for file in files}
         texts |= {"html": found._repr_html_(), "rows": " ".join(found.rows)}
