@@ -152,14 +152,10 @@ class SteppedBasis:
         from . import pictures as drawn  # slow to import
 
         of, fits = self._of_mode(found), {name: self.fits[name] for name in found.approaches}
-        count = f"{of.X.size} lines at {len(of.names)} levels, and the laws with their bands"
-        loss = f"energy lost per cycle against amplitude: {count}"
-        stiffness = f"stiffness against amplitude: {count}"
-        distribution = "stiffness of the sliders against the amplitude at which each begins to slip"
         return {
-            "loss": Picture(loss, drawn.loss, (of, fits)),
-            "stiffness": Picture(stiffness, drawn.stiffness, (of, fits)),
-            "distribution": Picture(distribution, drawn.distribution, (fits,)),
+            "loss": Picture(drawn.loss, (of, fits)),
+            "stiffness": Picture(drawn.stiffness, (of, fits)),
+            "distribution": Picture(drawn.distribution, (fits,)),
         }
 
 

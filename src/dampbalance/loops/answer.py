@@ -156,16 +156,11 @@ class LoopBasis:
         cycles."""
         from . import pictures as drawn  # slow to import
 
-        fit, noun = self.fits[found.answer.name], found.coordinate.noun
-        names, force = listed([loop.name for loop in self.loops]), noun("force")
-        loops = f"{force} against {noun('displacement')} of {names}, and the contact fitted"
-        loss, cycles = "energy lost per cycle against the amplitude", history(found)
+        fit = self.fits[found.answer.name]
         return {
-            "loops": Picture(loops, drawn.loops, (fit.design.loops, fit)),
-            "loss": Picture(loss, drawn.loss, (self.loops, fit)),
-            "history": Picture(
-                f"friction {force} and stiffness of each cycle", drawn.history, (cycles,)
-            ),
+            "loops": Picture(drawn.loops, (fit.design.loops, fit)),
+            "loss": Picture(drawn.loss, (self.loops, fit)),
+            "history": Picture(drawn.history, (history(found),)),
         }
 
 
