@@ -42,7 +42,7 @@ from ..project.wording import (
     visible,
 )
 from ..records.coordinate import ROTATION, Coordinate
-from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate
+from .answer import DOUBTFUL, Answer, ParameterEstimate
 from .drawing import DPI, draw
 from .outputs import PICTURES, pictures_of
 from .screen import (
@@ -133,7 +133,7 @@ def _known(value: float | None) -> float:
 def _kind(answer: Answer) -> str:
     """Return the class of the paragraph on the answer: usable, doubtful or none."""
     words = {one.verdict for one in answer.verdicts.values()}
-    return words.pop() if len(words) == 1 else DOUBTFUL if USABLE in words else max(words - {NONE})
+    return words.pop() if len(words) == 1 else DOUBTFUL
 
 
 def _why(findings: Sequence[Finding], coordinate: Coordinate) -> str:
