@@ -38,7 +38,6 @@ from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import (
     BALANCE,
-    CONFIDENCE,
     UNKNOWN,
     USELESS,
     Answer,
@@ -429,7 +428,6 @@ def _solved(
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
         rig=[*rig, *conditions],
-        settings={"confidence": CONFIDENCE},
     )
 
 

@@ -413,10 +413,7 @@ def identify_readings(
         odd=(*of_records, *of_all),
         head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals",
         rig=rig,
-        settings={
-            "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
-            "confidence": CONFIDENCE,
-        },
+        settings={"law": {"terms": law.terms, "given": law.given, "groups": law.groups}},
     )
 
 

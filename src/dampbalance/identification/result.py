@@ -99,11 +99,11 @@ class Result(Generic[B]):
     k: float
     sources: tuple[str, ...]
     estimates: Mapping[str, Answer]
-    reference: Answer | None
     odd: tuple[Finding, ...]
     head: str
     rig: Sequence[Finding]
-    settings: Mapping[str, Any]
+    reference: Answer | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
     check: Sequence[Finding] | None = None
     laws: LawComparison | None = None
     records: tuple[MeasuredRecord, ...] = ()

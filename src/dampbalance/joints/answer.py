@@ -21,7 +21,6 @@ from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..identification.answer import (
-    CONFIDENCE,
     UNKNOWN,
     Answer,
     Balance,
@@ -286,12 +285,11 @@ def identify_joint(
             name: _answer(name, fit, lines, law, compared, tested[name])
             for name, fit in fits.items()
         },
-        reference=None,
         odd=(*uncompared, *_on_stuck(first)),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[*implied, *_counted(tables)],
         check=[check],
-        settings={"law": {"terms": law.terms, "given": law.given}, "confidence": CONFIDENCE},
+        settings={"law": {"terms": law.terms, "given": law.given}},
         records=tuple(tables),
         options=options,
     )

@@ -305,7 +305,6 @@ def identify_loops(
         k=math.nan,
         sources=tuple(record.name for record in read),
         estimates={name: _answer(name, fit, loops, fits, scatter) for name, fit in fits.items()},
-        reference=None,
         odd=(*odd, *_warned(first, loops)),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
@@ -313,7 +312,6 @@ def identify_loops(
         ),
         rig=[*_rig(first, loops, normal)],
         check=[Finding(_COMPARED[next(iter(fits))])],
-        settings={"confidence": CONFIDENCE},
         records=tuple(read),
         options={
             "kind": "loops",
