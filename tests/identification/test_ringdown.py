@@ -315,7 +315,7 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     )
     assert given.estimates["balance"].verdicts["F_k"][:2] == ("usable", "")
     verdict = wrong.verdicts["F_k"]
-    assert (verdict.verdict, verdict.findings) == ("doubtful", wrong.findings[:1])
+    assert (verdict.verdict, verdict.findings) == ("doubtful", tuple(wrong.findings[:1]))
     assert [each.rig[0].numbers["given"] for each in (given, free, wrong)] == [True, False, False]
 
 

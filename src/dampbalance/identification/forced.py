@@ -165,27 +165,11 @@ class ForcedBasis:
         balance."""
         from . import pictures as drawn  # slow to import
 
-        count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
-        fit, noun = self.fit, found.coordinate.noun
-        slope = found.coordinate.symbol(FRICTION)
-        line = (
-            f"on a line of slope {slope}"
-            if two
-            else "on the line where the law takes the input work"
-        )
-        cycles = (
-            f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and its "
-            "residual"
-        )
-        friction = (
-            f"friction {noun('force')} against {noun('displacement')} of {count} records, with the loop of the fitted "
-            "oscillator"
-        )
-        balance = f"rows of the energy balance {line}, and the residual of each row"
+        two = set(self.law.keys) == {FRICTION, "c"}
         return {
-            "cycles": Picture(cycles, drawn.cycles, (found.records, self.readings, fit)),
-            "friction": Picture(friction, drawn.friction, (found.records, _loops(found), fit)),
-            "balance": Picture(balance, drawn.balance, (found.approaches, two)),
+            "cycles": Picture(drawn.cycles, (found.records, self.readings, self.fit)),
+            "friction": Picture(drawn.friction, (found.records, _loops(found), self.fit)),
+            "balance": Picture(drawn.balance, (found.approaches, two)),
         }
 
     @property
@@ -391,10 +375,7 @@ def identify_readings(
         odd=(*of_records, *of_all),
         head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals",
         rig=rig,
-        settings={
-            "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
-            "confidence": CONFIDENCE,
-        },
+        settings={"law": {"terms": law.terms, "given": law.given, "groups": law.groups}},
     )
 
 

@@ -20,7 +20,6 @@ from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..identification.answer import (
-    CONFIDENCE,
     UNKNOWN,
     Answer,
     Balance,
@@ -149,14 +148,10 @@ class SteppedBasis:
         from . import pictures as drawn  # slow to import
 
         of, fits = self._of_mode(found), {name: self.fits[name] for name in found.approaches}
-        count = f"{of.X.size} lines at {len(of.names)} levels, and the laws with their bands"
-        loss = f"energy lost per cycle against amplitude: {count}"
-        stiffness = f"stiffness against amplitude: {count}"
-        distribution = "stiffness of the sliders against the amplitude at which each begins to slip"
         return {
-            "loss": Picture(loss, drawn.loss, (of, fits)),
-            "stiffness": Picture(stiffness, drawn.stiffness, (of, fits)),
-            "distribution": Picture(distribution, drawn.distribution, (fits,)),
+            "loss": Picture(drawn.loss, (of, fits)),
+            "stiffness": Picture(drawn.stiffness, (of, fits)),
+            "distribution": Picture(drawn.distribution, (fits,)),
         }
 
 
@@ -270,12 +265,11 @@ def identify_joint(
             name: _answer(name, fit, lines, law, compared, tested[name])
             for name, fit in fits.items()
         },
-        reference=None,
         odd=(*uncompared, *_on_stuck(first)),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[*implied, *_counted(tables)],
         check=[check],
-        settings={"law": {"terms": law.terms, "given": law.given}, "confidence": CONFIDENCE},
+        settings={"law": {"terms": law.terms, "given": law.given}},
         records=tuple(tables),
         options=of,
     )
