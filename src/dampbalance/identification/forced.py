@@ -192,6 +192,17 @@ def friction_loops(
     found : of forced records.
     mass : kg; default, that of the fit. Without a fit it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does
     not yield: neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, friction_loops, identify, measured_orbit, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> motions = [BaseMotion(Y=Y, omega=2 * math.pi * 3.5) for Y in (0.004, 0.008)]
+    >>> records = [
+    ...     measured_orbit(steady_orbit(osc, one), rate_hz=1000.0, cycles=20.0) for one in motions
+    ... ]
+    >>> loop, _ = friction_loops(identify(records, stiffness=2310.0)).values()
+    >>> round(float(loop["f_N"].max()), 1)
+    1.3
     """
     import pandas as pd  # slow to import
 
