@@ -374,7 +374,7 @@ class Result(Generic[B]):
 
         Raises ValueError where results are there already and may not be replaced, or nothing can be written.
         """
-        from .outputs import save
+        from .saving import save
 
         return save(self, folder, figures=figures, overwrite=overwrite)
 
