@@ -192,6 +192,17 @@ def friction_loops(
     found : of forced records.
     mass : kg; default, that of the fit. Without a fit it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does
     not yield: neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> records = [
+    ...     measured_orbit(steady_orbit(osc, BaseMotion(Y, 22.0)), rate_hz=1000.0, cycles=20.0, source=name)
+    ...     for name, Y in (("low", 0.004), ("high", 0.008))
+    ... ]
+    >>> loops = friction_loops(identify(records, stiffness=2310.0))
+    >>> [*loops], [*loops["low"].columns]
+    (['low', 'high'], ['phase_rad', 'x_m', 'v_m_per_s', 'f_N'])
     """
     import pandas as pd  # slow to import
 

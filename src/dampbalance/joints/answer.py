@@ -166,6 +166,23 @@ def damping_at(found: Result[SteppedBasis], X: ArrayLike, frequency_hz: ArrayLik
 
     found : of a stepped sine.   X : amplitudes, m, (n,).   frequency_hz : at which the structure swings, Hz, (n,) or
     one.
+
+    >>> import math
+    >>> import numpy as np
+    >>> from dampbalance import Oscillator, identify_joint, steady_orbits
+    >>> osc = Oscillator(m=2.42, c=9.0, k=2310.0, K_z=2310.0, F_k=1.28)
+    >>> hertz, Y = np.linspace(4.0, 8.0, 17), np.array([[2e-4], [5e-4], [1e-3]])
+    >>> orbits = steady_orbits(osc, Y=Y, omega=2 * math.pi * hertz)
+    >>> table = {
+    ...     "frequency_hz": orbits.given["omega"].ravel() / (2 * math.pi),
+    ...     "base_displacement_m": orbits.given["Y"].ravel(),
+    ...     "displacement_m": orbits.X_1.ravel(),
+    ...     "phase_rad": -orbits.phi_1.ravel(),
+    ...     "level": orbits.given["Y"].ravel(),
+    ... }
+    >>> found = identify_joint(table, stiffness=2310.0, contact="one slider", hardening=False)
+    >>> [*damping_at(found, [1e-3, 2e-3], 5.0).columns]
+    ['X_m', 'damping_ratio', 'low', 'high']
     """
     import pandas as pd  # slow to import
 
