@@ -267,6 +267,7 @@ def test_a_unit_is_asked_for_by_the_sizes_of_two_channels_alone(gain, confused):
         assert [one.numbers["confused"] for one in found] == [confused] * bool(confused)
         assert all(one.numbers["angle"] == (coordinate is ROTATION) for one in found)
         assert all(one.numbers["rare"] == (1.0 / 300.0 < gain < 300.0) for one in found)
+        assert all(bool(one.effect) != one.numbers["rare"] for one in found)
 
 
 def test_distortion_is_that_of_the_harmonics_that_count():

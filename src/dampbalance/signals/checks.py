@@ -325,8 +325,8 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Find
 def ratio(Y: float, X: float, driven_by: str, coordinate: Coordinate) -> Iterator[Finding]:
     """Yield a finding where the mass moves so much more or less than the base that the unit of one may be wrong.
 
-    An oscillator that explains the records explains a rare ratio, too: a Q of 300, or a drive at 17 times the natural
-    frequency, are at its limit.
+    A rare ratio is a question, which an oscillator that explains the records answers: a Q of 300, or a drive at 17
+    times the natural frequency, are at its limit. A larger one puts all numbers in doubt.
     """
     gain = X / Y
     size = max(gain, 1.0 / gain)
@@ -334,7 +334,8 @@ def ratio(Y: float, X: float, driven_by: str, coordinate: Coordinate) -> Iterato
         nearest = min(_UNITS, key=lambda factor: abs(math.log(size / factor)))
         of = {"gain": gain, "confused": _UNITS[nearest], "by_force": driven_by == "force"}
         angle = coordinate != TRANSLATION
-        yield Finding("unit", {**of, "angle": angle, "rare": size < _LARGEST_RATIO}, UNBOUNDED)
+        rare = size < _LARGEST_RATIO
+        yield Finding("unit", {**of, "angle": angle, "rare": rare}, {} if rare else UNBOUNDED)
 
 
 def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Finding]:
