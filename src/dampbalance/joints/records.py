@@ -28,10 +28,9 @@ from ..records.headings import (
     full_name,
     last_part,
     unit_of,
-    without_number,
     words_of,
 )
-from ..records.mapping import ChannelRule, RecordMapping, Which
+from ..records.mapping import ChannelRule, RecordMapping
 from ..records.record import Record
 from ..records.table import Table
 from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, table_factor
@@ -202,11 +201,7 @@ class _Table:
         needed[f"a response ({', '.join(_RESPONSES)})"] = answers
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            guesses = Guesses(file, rules, stepped=True)
-            raise self._error(
-                f"finds {listed(wrong)}; a table has one of each. Its columns are {guesses.overview}. "
-                + guesses.proposed("Say which is which")
-            )
+            raise Guesses(file, rules, stepped=True).unclear(f"finds {listed(wrong)}")
         self.drive, self.answer = drives[0], answers[0]
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
 
@@ -217,27 +212,14 @@ class _Table:
 
     def _named(self) -> Iterator[tuple[str, int]]:
         """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
+        guesses = Guesses(self.file, self.rules, stepped=True)
         for quantity, rule in self.rules.table.items():
-            for role, which in (
-                (quantity, rule.channel),
-                (quantity + STANDARD_ERROR, rule.standard_error),
-            ):
-                yield from ((role, i) for i in self._matching(which, role))
-
-    def _matching(self, which: Which | None, role: str) -> list[int]:
-        channels = self.file.channels
-        if which is None or (isinstance(which, int) and which <= len(channels)):
-            return [] if which is None else [which - 1]
-        spelt = [{raw.name, full_name(raw), raw.label} for raw in channels]
-        of_matrices = [{without_number(raw.name)} for raw in channels]
-        alone = [{_parts(raw.name)[1]} for raw in channels]
-        for names in (spelt, of_matrices, alone):
-            if found := [i for i, own in enumerate(names) if which in own]:
-                return found
-        held = ", ".join(shortened(full_name(raw)) for raw in channels[:20])
-        raise self._error(
-            f"has no column {which!r}, which table.{role} in {self.where} names; it has {held}"
-        )
+            yield from (
+                (quantity, i) for i in guesses.find(rule.channel, f"table.{quantity}.channel")
+            )
+            if rule.standard_error is not None:
+                found = guesses.find(rule.standard_error, f"table.{quantity}.standard_error")
+                yield from ((quantity + STANDARD_ERROR, i) for i in found)
 
     def _factor(self, role: str) -> float:
         """Return SI units per unit of a column; of a standard error those of its quantity."""

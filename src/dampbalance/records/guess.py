@@ -29,15 +29,15 @@ from .headings import (
     full_name,
     holds_time,
     key_of,
-    last_part,
     names_time,
+    of_level,
     quantity_of,
     unit_of,
     unusable,
     without_number,
     words_of,
 )
-from .mapping import RecordMapping
+from .mapping import RecordMapping, Which
 from .table import Table
 from .units import (
     DIMENSIONS,
@@ -51,9 +51,7 @@ from .units import (
 )
 
 LISTED = 20  # columns in a message
-_ABSOLUTE_VALUE = {
-    *("absolute", "abs", "absolut", "total", "magnitude", "norm", "resultant", "resultierende")
-}
+_OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _ROUNDING = 1e-3  # relative, of the absolute value of three axes
 _FEWEST = 4  # samples of which it shows that they rise in equal steps
 _ROUNDED = 0.6  # steps; times with too few digits are off by less
@@ -77,16 +75,7 @@ _UNITS = {
     **{"frequency": "Hz", "phase": "rad", "base_velocity": "m/s"},
     **{"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s²/N"},
 }
-_KEPT = (
-    "delimiter",
-    "decimal",
-    "header_lines",
-    "sample_rate_hz",
-    "frequency_hz",
-    "level",
-    "notes",
-    "force_N",
-)
+_KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes force_N"
 """Keys of a mapping that stay in the one suggested."""
 
 
@@ -195,29 +184,23 @@ class Guesses:
     def axes(self) -> dict[int, str]:
         """The channels of the one accelerometer of three axes, x, y and z, and their absolute value: why each is not
         read, or "" for the axis with the most motion, by its standard deviation. Nothing where there is none."""
-        names = {
-            (raw.name.lower(), raw.unit): i
-            for i, raw in enumerate(self.channels)
-            if by_unit(raw) == "acceleration"
-        }
-        threes = []
-        for name, unit in names:
-            for x in re.finditer("x", name):
-                alike = [f"{name[: x.start()]}{axis}{name[x.end() :]}" for axis in "xyz"]
-                three = [names[key, unit] for key in alike if (key, unit) in names]
-                threes += [three] if len(three) == len("xyz") else []
-        if len(threes) != 1 or any(not self.samples.values[i].size for i in threes[0]):
+        groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
+        ours = {i: raw for i, raw in enumerate(self.channels) if by_unit(raw) == "acceleration"}
+        for i, raw in ours.items():
+            name = raw.name.lower()
+            for axis in re.finditer("[xyz]", name):
+                group = name[: axis.start()], name[axis.end() :], raw.unit
+                groups.setdefault(group, {})[axis[0]] = i
+        threes = [{*of.values()} for of in groups.values() if len(of) == len("xyz")]
+        if len(threes) != 1 or not all(self.samples.values[i].size for i in threes[0]):
             return {}
-        values = {i: self.samples.values[i] for i in threes[0]}
-        moved = {i: float(np.nanstd(v)) for i, v in values.items()}
-        most = max(moved, key=lambda i: moved[i])
-        why = {i: f"it moves less than {shortened(self.channels[most].name)}" for i in moved}
-        absolute = np.sqrt(np.sum(np.square([*values.values()]), axis=0))
-        for i in names.values():
-            other = self.samples.values[i]
-            words = {*words_of(self.channels[i].name)}
-            near = other.size and np.allclose(other, absolute, rtol=_ROUNDING, equal_nan=True)
-            if i not in moved and (near or words & _ABSOLUTE_VALUE):
+        values = self.samples.values
+        most = max(threes[0], key=lambda i: float(np.nanstd(values[i])))
+        why = dict.fromkeys(threes[0], f"it moves less than {shortened(self.channels[most].name)}")
+        total = np.sqrt(np.sum(np.square([values[i] for i in threes[0]]), axis=0))
+        for i in ours.keys() - why.keys():
+            near = values[i].size and np.allclose(values[i], total, rtol=_ROUNDING, equal_nan=True)
+            if near or {*words_of(self.channels[i].name)} & {*_OF_AXES.split()}:
                 why[i] = "the absolute value of three axes"
         return why | {most: ""}
 
@@ -234,6 +217,27 @@ class Guesses:
         named = [i for i, name in enumerate(self.keys) if name in own]
         before = [i for i in self.times if i < index]
         return next(iter(named or before[-1:] or self.times), None)
+
+    def find(self, which: Which, key: str) -> list[int]:
+        """Return the column with a name or number; of a table of steady responses, those of all levels.   key : of the
+        mapping that names it."""
+        at, path = f"{self.where}: {key}:", self.path
+        if isinstance(which, int) and not 1 <= which <= len(self.channels):
+            remedy = f"{path} has {len(self.channels)}: {self.overview}"
+            raise RecordError(f"{at} there is no channel {which}; {remedy}")
+        if isinstance(which, int):
+            return [which - 1]
+        names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in self.channels]
+        spellings = (str, without_number, of_level) if self.stepped else (str, key_of)
+        for spelt in spellings:  # verbatim, else without regard to case, blanks and path
+            found = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
+            if len(found) > 1 and not self.stepped:
+                numbers = " and ".join(str(i + 1) for i in found[:LISTED])
+                which = f"{shortened(which)}, numbers {numbers}"
+                raise RecordError(f"{at} {path} has {len(found)} channels {which}; give one")
+            if found:
+                return found
+        raise RecordError(f"{at} {path} has no channel {shortened(which)}; it has {self.overview}")
 
     def spare(self, used: Collection[int]) -> list[int]:
         """Return the channels that are not used and may hold a motion or a force: no time, no temperature, no counter,
@@ -285,13 +289,9 @@ class Guesses:
             chosen["force"] = forces[0]
         if not chosen and len(left) == 1 and (quantity := units[left[0]]) in ABSOLUTE:
             return {str(quantity): left[0]}, ""
-        may = {
-            i: guess.quantity if (guess := self.named(i)) else units[i]
-            for i in left
-            if i not in forces
-        }
-        answers = [(q, i) for i, q in may.items() if q in RESPONSES]
-        nothing_else = len([*filter(None, may.values())]) == 1
+        named = {i: guess.quantity for i in left if (guess := self.named(i))}
+        may = [(q, i) for i in left if i not in forces and (q := named.get(i) or units[i])]
+        answers, nothing_else = [(q, i) for q, i in may if q in RESPONSES], len(may) == 1
         if len(answers) == 1 and not answering and (self.mapping.free or (chosen and nothing_else)):
             chosen |= answers
         return chosen, ""
@@ -309,19 +309,13 @@ class Guesses:
         if not self.stepped:
             self._prefer(of)
         taken: dict[int, Guess] = {}
-        for i in sorted(
-            of, key=lambda i: (max(of[i][0].doubt, LIKELY), by_unit(self.channels[i]) is None)
-        ):
-            held = {self._slot(guess.quantity) for guess in taken.values()} - {""}
-            full = self._complete({guess.quantity for guess in taken.values()})
-            vague = [
-                g
-                for g in of[i]
-                if full and g.doubt >= UNSAID and (self.stepped or g.quantity in RESPONSES)
-            ]
-            taken[i] = next(
-                g for g in of[i] if g not in vague and self._slot(g.quantity) not in held
-            )
+        ranks = {i: (max(of[i][0].doubt, LIKELY), by_unit(self.channels[i]) is None) for i in of}
+        for i in sorted(of, key=ranks.__getitem__):
+            held = {guess.quantity for guess in taken.values()} - {""}
+            slots, full = {*map(self._slot, held)}, self._complete(held)
+            free = (guess for guess in of[i] if self._slot(guess.quantity) not in slots)
+            drives = () if self.stepped else EXCITATIONS
+            taken[i] = next(g for g in free if not full or g.doubt < UNSAID or g.quantity in drives)
         chosen = [i for i, guess in taken.items() if guess.quantity]
         if len(chosen) == 1 and taken[chosen[0]].doubt > LIKELY:
             quantity = taken[chosen[0]].quantity
@@ -374,9 +368,8 @@ class Guesses:
         raw, named = self.channels[i], column_of(self.channels[i])
         unit = find_unit(raw.unit or "")
         fitting = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
-        found = (
-            [Guess(named, _BY_NAME)] if named else [Guess(q, _BY_UNIT, POSSIBLE) for q in fitting]
-        )
+        found = [Guess(q, _BY_UNIT, POSSIBLE) for q in fitting]
+        found = [Guess(named, _BY_NAME)] if named else found
         if not (found or raw.unit or i in self.samples.aside):
             vague = ("frequency", "force", "displacement", "phase")
             found = [Guess(q, _BY_NOTHING, UNSAID) for q in vague]
@@ -410,9 +403,8 @@ class Guesses:
         driving = {*chosen} & {*EXCITATIONS}
         head = "channels:" if driving else "channels:  # a free decay, without an excitation"
         lines, times = ["table:" if self.stepped else head], self._times()
-        for quantity in (
-            q for q in (TABLE_DIMENSIONS if self.stepped else QUANTITIES) if q in chosen
-        ):
+        order = TABLE_DIMENSIONS if self.stepped else QUANTITIES
+        for quantity in filter(chosen.__contains__, order):
             i, reason = chosen[quantity], self.draft[chosen[quantity]].reason
             stated, remark = self._in_unit(i, quantity)
             name = quantity if self.stepped else coordinate_of(self.channels[i]).key(quantity)
@@ -422,7 +414,7 @@ class Guesses:
             if relative and not self.stepped:
                 remark = f"; relative_{name} if measured against the base{remark}"
             lines.append(f"  {name}: {{channel: {self._which(i)}{stated}}}  # {reason}{remark}")
-        for key in _KEPT:
+        for key in _KEPT.split():
             if (value := getattr(self.mapping, key)) not in (None, ""):
                 lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
         if not self.stepped:
@@ -492,7 +484,7 @@ class Guesses:
         """Return a column as a mapping names it: by its name, or by its number where that is long or not its alone."""
         name = self.channels[i].name
         if self.keys.count(self.keys[i]) > 1 and self.stepped:  # one column for each level
-            name = without_number(last_part(name))
+            name = of_level(name)
         elif self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
             return str(i + 1)
         plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
@@ -510,15 +502,13 @@ class Guesses:
 
     def unclear(self, what: str) -> RecordError:
         """Return the error for columns that cannot be distinguished: what is missing, and the mapping to write."""
-        if self.stepped:
-            return RecordError(
-                f"{self.path}: {what}; its columns are {self.overview}. {self.proposed('Say which is which')}"
-            )
-        return RecordError(
-            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind "
-            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the "
-            f"base). Its channels are {self.overview}. {self.proposed('Say which is which')}"
+        needed = (
+            f"it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind ring-down), and at least one "
+            f"of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels"
         )
+        needed = "a table has one of each. Its columns" if self.stepped else needed
+        shown = f"{self.overview}. {self.proposed('Say which is which')}"
+        return RecordError(f"{self.path}: {what}; {needed} are {shown}")
 
 
 def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
@@ -541,8 +531,5 @@ def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None 
         raise RecordError(f"{mapping.source} names the channels of {file.path} already")
     guesses = Guesses(file, mapping, stepped=stepped)
     if not guesses.complete:
-        what = (
-            "lacks columns of a table of a stepped sine" if guesses.stepped else "finds no response"
-        )
-        raise guesses.unclear(what)
+        raise guesses.unclear("finds too few columns" if guesses.stepped else "finds no response")
     return "\n".join([*guesses.lines(), ""])

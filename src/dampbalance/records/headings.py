@@ -24,36 +24,34 @@ from .units import (
     find_unit,
 )
 
-WORDS: dict[str, tuple[str, ...]] = {
-    "displacement": (
-        *("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
-        *("angle", "rotation", "theta", "winkel"),
-    ),
-    "velocity": ("velocity", "vel", "v", "geschwindigkeit", "speed", "drehzahl"),
-    "acceleration": ("acceleration", "accel", "acc", "beschleunigung"),
-    "force": ("force", "kraft", "torque", "moment", "drehmoment"),
-    "base_displacement": ("y",),
-    "base": (
-        *("base", "ground", "table", "shaker", "foundation", "support", "excitation", "input"),
-        *("in", "eingang"),
-        *("basis", "boden", "tisch", "fundament", "fußpunkt", "anregung", "erregung"),
-    ),
-    "mass": (
-        *("mass", "response", "absolute", "output", "out"),
-        *("masse", "antwort", "absolut", "ausgang"),
-    ),
-    "relative": ("relative", "rel", "relativ"),
-}  # fmt: skip
+WORDS = {
+    meaning: words.split()
+    for meaning, words in {
+        "displacement": "displacement disp deflection x weg auslenkung verschiebung "
+        "angle rotation theta winkel",
+        "velocity": "velocity vel v geschwindigkeit speed drehzahl",
+        "acceleration": "acceleration accel acc beschleunigung",
+        "force": "force kraft torque moment drehmoment",
+        "base_displacement": "y",
+        "base": "base ground table shaker foundation support excitation input in eingang "
+        "basis boden tisch fundament fußpunkt anregung erregung",
+        "mass": "mass response absolute output out masse antwort absolut ausgang",
+        "relative": "relative rel relativ",
+    }.items()
+}
 """Words by which a channel is recognised, in lower case: quantities, then what moves, and against what. "in" counts at
 the end of a heading alone."""
 
 WORDS_OF_TABLES = {
-    "frequency": ("frequency", "freq", "f", "frequenz", "omega", "ω"),
-    "phase": ("phase", "phi", "φ", "phasenwinkel", "phasenlage"),
-    "level": ("level", "stufe", "pegel", "niveau"),
-    "receptance": ("receptance", "compliance", "nachgiebigkeit"),
-    "mobility": ("mobility", "admittanz"),
-    "accelerance": ("accelerance", "inertance"),
+    meaning: words.split()
+    for meaning, words in {
+        "frequency": "frequency freq f frequenz omega ω",
+        "phase": "phase phi φ phasenwinkel phasenlage",
+        "level": "level stufe pegel niveau",
+        "receptance": "receptance compliance nachgiebigkeit",
+        "mobility": "mobility admittanz",
+        "accelerance": "accelerance inertance",
+    }.items()
 }
 """Words of the heading of a column of a table of steady responses; those of amplitudes are those of a record."""
 
@@ -95,13 +93,18 @@ _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
 def last_part(name: str) -> str:
-    """Return the last part of a path of groups or structures."""
-    return re.split(r"[/.](?=[^/.])", name.strip())[-1].strip()
+    """Return the last part of a path of groups or structures; a quotient in brackets, x [m/s], is no path."""
+    return re.split(r"[/.](?=[^/.])(?![^\[(]*[\])])", name.strip())[-1].strip()
 
 
 def without_number(name: str) -> str:
     """Return a name without the number of a column of a matrix, force of force[2]."""
     return re.sub(r"\[\d+\]$", "", name)
+
+
+def of_level(name: str) -> str:
+    """Return what the columns of all levels are called: force of one.force[2]."""
+    return without_number(last_part(name))
 
 
 def key_of(name: str) -> str:

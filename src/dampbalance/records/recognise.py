@@ -25,9 +25,9 @@ from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sa
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
-from .guess import LISTED, Guesses, first_of
-from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
-from .mapping import ChannelRule, RecordMapping, Which
+from .guess import Guesses, first_of
+from .headings import by_unit, coordinate_of, full_name, holds_time, unit_of, unusable
+from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import RawChannel, Table
 from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
@@ -103,7 +103,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     rules: Mapping[str, ChannelRule] = mapping.channels
     if rules:
         chosen = {
-            q: _find(guesses, rule.channel, f"channels.{q}.channel") for q, rule in rules.items()
+            q: guesses.find(rule.channel, f"channels.{q}.channel")[0] for q, rule in rules.items()
         }
     else:
         chosen, competing = guesses.certain
@@ -151,7 +151,7 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pic
     which, key = rule.time, f"channels.{quantity}.time"
     if which is None:
         which, key = guesses.mapping.time, "time.channel"
-    time = guesses.time_of(index) if which is None else _find(guesses, which, key)
+    time = guesses.time_of(index) if which is None else guesses.find(which, key)[0]
     if time == index:
         raise RecordError(f"{guesses.path}: channel {raw.name!r} cannot be its own time")
     if time is not None:
@@ -193,28 +193,6 @@ def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
                 f"say relative_{quantity} in {guesses.where} if it is measured against the base"
             )
             yield f"{names[chosen[quantity]]} {use}; {remedy}"
-
-
-def _find(guesses: Guesses, which: Which, key: str) -> int:
-    """Return the index of the channel with a name or number."""
-    at, path, channels = f"{guesses.mapping.source}: {key}:", guesses.path, guesses.channels
-    if isinstance(which, int):
-        if 1 <= which <= len(channels):
-            return which - 1
-        remedy = f"{path} has {len(channels)}: {guesses.overview}"
-        raise RecordError(f"{at} there is no channel {which}; {remedy}")
-    names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
-    for spelt in (str, key_of):  # verbatim, else without regard to case, blanks and path
-        matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
-        if len(matches) == 1:
-            return matches[0]
-        if matches:
-            numbers = " and ".join(str(i + 1) for i in matches[:LISTED])
-            raise RecordError(
-                f"{at} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
-            )
-    remedy = f"it has {guesses.overview}"
-    raise RecordError(f"{at} {path} has no channel {shortened(which)}; {remedy}")
 
 
 def _unit(guesses: Guesses, raw: RawChannel, given: str | None, quantity: str) -> float:
