@@ -328,6 +328,7 @@ UNCLEAR = {
     "a response without a name": {"displacement (mm)": "probe 1 [mm]"},
     "another angle": {"phase (rad)": "lag [rad]"},
     "only units": {"Frequency [Hz]": "a [Hz]", "Force amplitude [N]": "b [N]", "phase (rad)": "d [rad]"},
+    "a frequency by its samples": {"Frequency [Hz]": "column 1", "level": "coherence"},
     "no unit of phase": {"phase (rad)": "phase"},
     "a column left over": {"level": "coherence"},
 }  # fmt: skip

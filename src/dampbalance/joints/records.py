@@ -177,7 +177,7 @@ class _Table:
 
     def __init__(self, file: Table, rules: RecordMapping) -> None:
         self.file, self.rules = file, rules
-        self.where = rules.source or f"{file.path}.yaml"
+        self.guesses = Guesses(file, rules, stepped=True)
         self.columns: dict[str, dict[Place, int]] = {}
         recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := column_of(raw)))
         for role, i in self._named() if rules.table else recognised:
@@ -185,8 +185,7 @@ class _Table:
             other = self.columns.setdefault(role, {}).setdefault((group, number), i)
             if other != i:
                 both = listed([shortened(full_name(file.channels[at])) for at in (other, i)])
-                draft = Guesses(file, rules, stepped=True).proposed("Say which is which")
-                raise self._error(f"{both} are both taken for {role}. {draft}")
+                raise self.guesses.unclear(f"{both} are both taken for {role}")
         for role in [q for q in self.columns if q.removesuffix(STANDARD_ERROR) not in self.columns]:
             del self.columns[role]
         answers = [q for q in _RESPONSES if q in self.columns]
@@ -201,7 +200,7 @@ class _Table:
         needed[f"a response ({', '.join(_RESPONSES)})"] = answers
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            raise Guesses(file, rules, stepped=True).unclear(f"finds {listed(wrong)}")
+            raise self.guesses.unclear(f"finds {listed(wrong)}")
         self.drive, self.answer = drives[0], answers[0]
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
 
@@ -212,13 +211,12 @@ class _Table:
 
     def _named(self) -> Iterator[tuple[str, int]]:
         """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
-        guesses = Guesses(self.file, self.rules, stepped=True)
         for quantity, rule in self.rules.table.items():
             yield from (
-                (quantity, i) for i in guesses.find(rule.channel, f"table.{quantity}.channel")
+                (quantity, i) for i in self.guesses.find(rule.channel, f"table.{quantity}.channel")
             )
             if rule.standard_error is not None:
-                found = guesses.find(rule.standard_error, f"table.{quantity}.standard_error")
+                found = self.guesses.find(rule.standard_error, f"table.{quantity}.standard_error")
                 yield from ((quantity + STANDARD_ERROR, i) for i in found)
 
     def _factor(self, role: str) -> float:
@@ -229,11 +227,12 @@ class _Table:
         text = rule.unit or unit_of(raw)
         try:
             if text is None:
-                raise UnitError(f"has no unit: state it at table.{quantity}.unit in {self.where}")
+                raise UnitError(
+                    f"has no unit: state it at table.{quantity}.unit in {self.guesses.where}"
+                )
             factor = rule.scale * table_factor(text, quantity)
         except UnitError as error:
-            draft = Guesses(self.file, self.rules, stepped=True)
-            remedy = "" if self.rules.table else f". {draft.proposed('Say what it is')}"
+            remedy = "" if self.rules.table else f". {self.guesses.proposed('Say what it is')}"
             raise self._error(f"column {shortened(raw.name)}: {error}{remedy}") from None
         if quantity == "frequency":
             return 2.0 * math.pi * factor
@@ -249,7 +248,7 @@ class _Table:
             unit = "rad" if few else "deg"
             raise self._error(
                 f"phases from {low:.3g} to {high:.3g} rad do not occur in tables: they are in {unit}; state it at "
-                f"table.phase.unit in {self.where}"
+                f"table.phase.unit in {self.guesses.where}"
             )
         by_force = self.drive in ("", "force")
         quarters, sign, phis = self._convention(levels, 3 if by_force else 4)

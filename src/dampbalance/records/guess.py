@@ -43,11 +43,9 @@ from .units import (
     DIMENSIONS,
     PER_FORCE,
     TABLE_DIMENSIONS,
-    UnitError,
     find_motion,
     find_other,
     find_unit,
-    table_factor,
 )
 
 LISTED = 20  # columns in a message
@@ -101,23 +99,20 @@ class Samples:
     """The samples of each column (`values`), or none of one that cannot be read.
 
     aside : columns that are no motion and no force, by name, unit or samples, with what they are instead.
-    rising : steps of those that rise in equal steps and are no counters.
+    rising : those of them that rise in equal steps and are no counters.
     """
 
     def __init__(self, file: Table) -> None:
         everything = range(len(file.channels))
+        self.values = _samples(file, everything)
+        for i in () if self.values else everything[:_TRIED]:  # a text in some column
+            self.values |= _samples(file, [i]) or {i: np.empty(0)}
         self.aside: dict[int, str] = {}
-        self.rising: dict[int, float] = {}
-        self.values = _samples(file, everything) or {}
-        if not self.values:  # a text in some column
-            for i in everything[:_TRIED]:
-                self.values |= _samples(file, [i]) or {i: np.empty(0)}
-                if not self.values[i].size:
-                    self.aside[i] = "it does not hold numbers"
+        self.rising: list[int] = []
         for i, values in self.values.items():
             raw, finite = file.channels[i], values[np.isfinite(values)]
-            if (other := unusable(raw)) is not None:
-                self.aside[i] = other
+            if (other := unusable(raw)) or not values.size:
+                self.aside[i] = other or "it does not hold numbers"
             elif holds_time(raw) or finite.size < _FEWEST:
                 continue
             elif not np.ptp(finite):
@@ -126,18 +121,17 @@ class Samples:
                 counts = step == 1.0 and not np.any(finite % 1.0)
                 kind = "a counter" if counts else "a time"
                 self.aside[i] = f"rises by {step:.6g} from sample to sample: {kind}"
-                if not counts:
-                    self.rising[i] = step
+                self.rising += [i] * (not counts)
 
 
-def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
-    """Return the samples of some columns; None where they cannot be read."""
+def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array]:
+    """Return the samples of some columns; nothing where they cannot be read."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
         try:
             return file.columns(wanted)
         except RecordError:
-            return None
+            return {}
 
 
 def _equal_step(values: Array) -> float | None:
@@ -316,11 +310,10 @@ class Guesses:
             free = (guess for guess in of[i] if self._slot(guess.quantity) not in slots)
             drives = () if self.stepped else EXCITATIONS
             taken[i] = next(g for g in free if not full or g.doubt < UNSAID or g.quantity in drives)
-        chosen = [i for i, guess in taken.items() if guess.quantity]
-        if len(chosen) == 1 and taken[chosen[0]].doubt > LIKELY:
-            quantity = taken[chosen[0]].quantity
-            only = Guess(_RESPONSE_OF.get(quantity, quantity), "the only signal")
-            taken |= {chosen[0]: only}
+        if len(only := [(i, g) for i, g in taken.items() if g.quantity]) == 1:
+            ((i, guess),) = only
+            if guess.doubt > LIKELY and guess.quantity in _RESPONSE_OF:
+                taken[i] = Guess(_RESPONSE_OF[guess.quantity], "the only signal")
         return {i: taken[i] for i in of}
 
     def _prefer(self, of: dict[int, list[Guess]]) -> None:
@@ -341,18 +334,16 @@ class Guesses:
 
     def _of(self, i: int) -> list[Guess]:
         """Return the guesses for a column by itself, from the surest on; the last says why there is no other."""
-        raw, unit = self.channels[i], by_unit(self.channels[i])
         if self.stepped:
             return self._of_lines(i)
+        raw, unit, named = self.channels[i], by_unit(self.channels[i]), self.named(i)
         if i not in self.spare(()):
-            quantity = quantity_of(raw) or quantity_of(raw, all_words=False) or ""
-            moves = {*words_of(raw.name)} & _MOTIONS and quantity in RESPONSES
-            wrong_unit = find_other(raw.unit or "") and not unusable(replace(raw, unit=None))
-            against = [Guess(quantity, _BY_NAME, AGAINST_ITS_UNIT)] if moves and wrong_unit else []
-            return [*against, Guess("", self.samples.aside.get(i) or self.axes[i])]
+            moves = {*words_of(raw.name)} & _MOTIONS and unusable(raw)
+            against = named and moves and named.quantity in RESPONSES
+            found = [replace(named, doubt=AGAINST_ITS_UNIT)] if named and against else []
+            return [*found, Guess("", self.samples.aside.get(i) or self.axes[i])]
         if raw.unit and unit is None and not find_other(raw.unit):
             return [Guess("", f"its unit, {shortened(raw.unit)}, is no unit of motion or force")]
-        named = self.named(i)
         found, one = [named] if named else [], DIMENSIONS.get(unit or "")
         fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
         reason, doubt = (_BY_UNIT, POSSIBLE) if fitting else (_BY_NOTHING, UNSAID)
@@ -369,10 +360,12 @@ class Guesses:
         unit = find_unit(raw.unit or "")
         fitting = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
         found = [Guess(q, _BY_UNIT, POSSIBLE) for q in fitting]
-        found = [Guess(named, _BY_NAME)] if named else found
-        if not (found or raw.unit or i in self.samples.aside):
-            vague = ("frequency", "force", "displacement", "phase")
-            found = [Guess(q, _BY_NOTHING, UNSAID) for q in vague]
+        if named:
+            found = [Guess(named, _BY_NAME)]
+        elif i in self.samples.rising:
+            found = [Guess("frequency", "rises in equal steps", POSSIBLE)]
+        elif not raw.unit and i not in self.samples.aside:
+            found = [Guess(q, _BY_NOTHING, UNSAID) for q in ("force", "displacement", "phase")]
         said = found and found[0].doubt < UNSAID
         other = f"another column is taken for {found[0].quantity}" if said else _BY_NOTHING
         if {*map(column_of, self.channels)} & {*PER_FORCE}:  # no base drives
@@ -432,36 +425,31 @@ class Guesses:
 
     def _in_unit(self, i: int, quantity: str) -> tuple[str, str]:
         """Return the unit and scale of a column in the mapping, and a remark on them."""
-        raw, values = self.channels[i], self.samples.values[i]
+        values, text = self.samples.values[i], unit_of(self.channels[i]) or ""
         unit, large = _UNITS.get(quantity, ""), values.size and 0.5 * np.ptp(values)
+        own, dimension = find_motion(text), DIMENSIONS.get(quantity)
+        if self.stepped:
+            own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
         if not unit:  # a level
             return "", ""
-        if own := self._own_unit(unit_of(raw) or "", quantity):
-            return f", unit: {own}", ""
-        if unit == "m" and (raw.unit or large > _IN_MM):
+        if own and dimension in (own.dimension, own.counterpart):
+            return f", unit: {own.name}", ""
+        if text and quantity in PER_FORCE:
+            return f", unit: {text}", ""
+        if unit == "m" and (text or large > _IN_MM):
             unit = "mm"
-        if raw.unit:
-            remark = f"; recorded in {raw.unit}: replace 1.0 by the {unit} per {raw.unit}"
+        if text:
+            remark = f"; recorded in {text}: replace 1.0 by the {unit} per {text}"
             return f", unit: {unit}, scale: 1.0", remark
         unit = "deg" if quantity == "phase" and large > _TURNS else unit
         return f", unit: {unit}", "; unit guessed, the file has none"
-
-    def _own_unit(self, text: str, quantity: str) -> str:
-        """Return the unit of a column as a mapping gives it, if it fits the quantity; "" otherwise."""
-        own = find_motion(text)
-        if not self.stepped:
-            return own.name if own and own.counterpart == DIMENSIONS[quantity] else ""
-        try:
-            return text if text and table_factor(text, quantity) else ""
-        except UnitError:
-            return ""
 
     def _times(self) -> list[int]:
         """Return the columns of times in the draft: by the mapping, name or unit, or as the only ones that rise."""
         if self.mapping.time is not None:
             which = self.mapping.time
             return [i for i, raw in enumerate(self.channels) if which in (i + 1, raw.name)]
-        return self.times or sorted(self.samples.rising)
+        return self.times or self.samples.rising
 
     def _time(self, times: Sequence[int]) -> list[str]:
         """Return the line about times, if one is needed."""
@@ -475,7 +463,8 @@ class Guesses:
         known = find_unit(self.mapping.time_unit or unit_of(self.channels[first]) or "")
         if known is not None and known.dimension == "time":
             return [f"{line}{known.name}}}"] if len(times) == 1 else []
-        step = self.samples.rising.get(first) or _equal_step(self.samples.values[first])
+        values = self.samples.values[first]
+        step = _equal_step(values[np.isfinite(values)])
         unit = next(unit for unit, least in _TIME_UNITS.items() if (step or 0.0) >= least)
         shows = f"rises by {step:.6g} from sample to sample; " if step else ""
         return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
