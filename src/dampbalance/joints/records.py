@@ -191,13 +191,10 @@ class _Table:
         answers = [q for q in _RESPONSES if q in self.columns]
         per_force = bool({*answers} & {*PER_FORCE})
         drives = [q for q in _DRIVES[: 1 if per_force else None] if q in self.columns]
-        if per_force and not drives and rules.force_N:
-            drives = [""]
+        drives = drives or [""] * bool(per_force and rules.force_N)
+        drive = "the force (or force_N, of all lines)" if per_force else "a force or the base"
         needed = {q: [q] * (q in self.columns) for q in ("frequency", "phase")}
-        needed["the force (or force_N, of all lines)" if per_force else "a force or the base"] = (
-            drives
-        )
-        needed[f"a response ({', '.join(_RESPONSES)})"] = answers
+        needed |= {drive: drives, f"a response ({', '.join(_RESPONSES)})": answers}
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
             raise self.guesses.unclear(f"finds {listed(wrong)}")

@@ -249,46 +249,48 @@ class Guesses:
         return Guess(str(quantity), _BY_NAME, CERTAIN if whole else LIKELY) if fits else None
 
     @cached_property
-    def certain(self) -> tuple[dict[str, int], str]:
-        """Quantity → channel, of the guesses that are certain. And which two channels compete for a quantity, if any.
+    def certain(self) -> tuple[dict[int, Guess], str]:
+        """The guesses that are certain, by their channels. And which two channels compete for a quantity, if any.
 
         A force is no response: where nothing that drives is named, the only other signal drives if it is in a unit of
         force. Where something drives and no response is named, the only signal left with a motion, by name or unit, is
         the response; so is the only signal of all, the record being a free decay.
         """
-        chosen: dict[str, int] = {}
+        names: dict[str, int] = {}
         for i, raw in enumerate(self.channels):
             quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
             if i in self.axes:
                 quantity = None if self.axes[i] else "acceleration"
             if self.mapping.free and {*words_of(raw.name)} & {*WORDS["base_displacement"]}:
-                continue  # the other axis of a camera: no base moves in a free decay
-            if quantity in chosen:
-                self.require_one_coordinate([chosen[quantity], i])
-                both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
-                return chosen, f"takes both {' and '.join(both)} for {quantity}"
-            if quantity:
-                chosen[quantity] = i
-        answering, driving = ({*chosen} & {*of} for of in (RESPONSES, EXCITATIONS))
+                quantity = None  # the other axis of a camera: no base moves in a free decay
+            if quantity and (other := names.setdefault(quantity, i)) != i:
+                self.require_one_coordinate([other, i])
+                both = [shortened(self.channels[at].name) for at in (other, i)]
+                return {}, f"takes both {' and '.join(both)} for {quantity}"
+        certain = {i: Guess(quantity, _BY_NAME) for quantity, i in names.items()}
+        answering, driving = (bool({*names} & {*of}) for of in (RESPONSES, EXCITATIONS))
         if answering and driving:
-            return chosen, ""
-        kinds = {coordinate_of(self.channels[i]) for i in chosen.values()}
-        others = self.spare(chosen.values())
+            return certain, ""
+        kinds = {coordinate_of(self.channels[i]) for i in certain}
+        others = self.spare(certain)
         left = [i for i in others if not kinds or coordinate_of(self.channels[i]) in kinds]
         if others and not left:
-            self.require_one_coordinate([*chosen.values(), *others])
-        units = {i: by_unit(self.channels[i]) for i in left}
-        forces = [i for i in left if units[i] == "force"]
-        if not driving and len(forces) == 1 and len(left) == 2 - bool(answering):
-            chosen["force"] = forces[0]
-        if not chosen and len(left) == 1 and (quantity := units[left[0]]) in ABSOLUTE:
-            return {str(quantity): left[0]}, ""
-        named = {i: guess.quantity for i in left if (guess := self.named(i))}
-        may = [(q, i) for i in left if i not in forces and (q := named.get(i) or units[i])]
-        answers, nothing_else = [(q, i) for q, i in may if q in RESPONSES], len(may) == 1
-        if len(answers) == 1 and not answering and (self.mapping.free or (chosen and nothing_else)):
-            chosen |= answers
-        return chosen, ""
+            self.require_one_coordinate([*certain, *others])
+        units = {i: Guess(q, _BY_UNIT) for i in left if (q := by_unit(self.channels[i]))}
+        forces = [i for i, guess in units.items() if guess.quantity == "force"]
+        if not certain and len(left) == len(units) == 1 and not forces:
+            return units, ""
+        if not driving and len(forces) == 1 and len(left) == 2 - answering:
+            certain[forces[0]] = units[forces[0]]
+        may = {i: g for i in left if i not in forces and (g := self.named(i) or units.get(i))}
+        answers = {i: guess for i, guess in may.items() if guess.quantity in RESPONSES}
+        if (
+            len(answers) == 1
+            and not answering
+            and (self.mapping.free or (certain and len(may) == 1))
+        ):
+            certain |= answers
+        return certain, ""
 
     def require_one_coordinate(self, channels: Collection[int]) -> None:
         """Raise RecordError where some channels rotate and others move along a line."""
@@ -319,12 +321,12 @@ class Guesses:
     def _prefer(self, of: dict[int, list[Guess]]) -> None:
         """Put first what is certain as no other column can be it; and where names call several alike and none a drive,
         take the first of them that is not the mass for it."""
-        chosen, competing = self.certain
-        for quantity, i in ({} if competing else chosen).items():
-            unit, first = by_unit(self.channels[i]), of[i][0]
-            fits = unit and DIMENSIONS[unit] == DIMENSIONS[quantity]
-            if fits and first.quantity and (first.quantity, first.reason) != (quantity, _BY_NAME):
-                of[i].insert(0, Guess(quantity, _BY_UNIT))
+        for i, guess in self.certain[0].items():
+            if (
+                guess.reason == _BY_UNIT
+                and replace(guess, reason=_BY_NAME, doubt=LIKELY) != of[i][0]
+            ):
+                of[i].insert(0, guess)
         sure = {i: guesses[0].quantity for i, guesses in of.items() if guesses[0].doubt <= LIKELY}
         for driving, quantity in _RESPONSE_OF.items():
             alike = [i for i, q in sure.items() if q == quantity]

@@ -106,9 +106,10 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
             q: guesses.find(rule.channel, f"channels.{q}.channel")[0] for q, rule in rules.items()
         }
     else:
-        chosen, competing = guesses.certain
+        certain, competing = guesses.certain
         if competing:
             raise guesses.unclear(competing)
+        chosen = {guess.quantity: i for i, guess in certain.items()}
         if mapping.free:
             # a possible excitation with a known unit is read as well, to see that it stands still
             moving = [
