@@ -22,14 +22,7 @@ from ..project.wording import listed, shortened, visible
 from ..records.channel import ABSOLUTE, Channel
 from ..records.errors import RecordError
 from ..records.guess import Guesses, is_table_of_lines
-from ..records.headings import (
-    STANDARD_ERROR,
-    column_of,
-    full_name,
-    last_part,
-    unit_of,
-    words_of,
-)
+from ..records.headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
 from ..records.mapping import ChannelRule, RecordMapping
 from ..records.record import Record
 from ..records.table import Table
@@ -181,10 +174,10 @@ class _Table:
         self.columns: dict[str, dict[Place, int]] = {}
         recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := column_of(raw)))
         for role, i in self._named() if rules.table else recognised:
-            group, _, number = _parts(file.channels[i].name)
-            other = self.columns.setdefault(role, {}).setdefault((group, number), i)
+            place = _place(file.channels[i].name)
+            other = self.columns.setdefault(role, {}).setdefault(place, i)
             if other != i:
-                both = listed([shortened(full_name(file.channels[at])) for at in (other, i)])
+                both = listed([self.guesses.names[at] for at in (other, i)])
                 raise self.guesses.unclear(f"{both} are both taken for {role}")
         for role in [q for q in self.columns if q.removesuffix(STANDARD_ERROR) not in self.columns]:
             del self.columns[role]
@@ -368,12 +361,11 @@ def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> f
     return total
 
 
-def _parts(name: str) -> tuple[str, str, int]:
-    """Group, name and number of a column: "a.b.force[2]" is the second force in a.b."""
-    match = re.fullmatch(r"(.*?)(?:\[(\d+)\])?", name)
-    assert match is not None
-    last = last_part(match[1])
-    return match[1].removesuffix(last).rstrip("/."), last, int(match[2] or 0)
+def _place(name: str) -> Place:
+    """Group and number of a column: "a.b.force[2]" is the second force in a.b."""
+    last = last_part(name)
+    number = re.search(r"\[(\d+)\]$", last)
+    return name.removesuffix(last).rstrip("/."), int(number[1]) if number else 0
 
 
 def _called(place: Place) -> str:

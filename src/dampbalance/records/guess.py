@@ -65,7 +65,7 @@ _BY_NAME, _BY_UNIT = "by its name", "by its unit"
 _BY_NOTHING = "neither name nor unit says what it is"
 _FIRST = "; taken as the drive, as it comes first"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
-_MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity]}
+_MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity].split()}
 _DRIVES = (*EXCITATIONS, "base_velocity")
 _RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
 _UNITS = {
@@ -194,9 +194,13 @@ class Guesses:
         total = np.sqrt(np.sum(np.square([values[i] for i in threes[0]]), axis=0))
         for i in ours.keys() - why.keys():
             near = values[i].size and np.allclose(values[i], total, rtol=_ROUNDING, equal_nan=True)
-            if near or {*words_of(self.channels[i].name)} & {*_OF_AXES.split()}:
+            if near or self._words(i) & {*_OF_AXES.split()}:
                 why[i] = "the absolute value of three axes"
         return why | {most: ""}
+
+    def _words(self, i: int) -> set[str]:
+        """The words of the heading of a column."""
+        return {*words_of(self.channels[i].name)}
 
     @cached_property
     def times(self) -> list[int]:
@@ -261,7 +265,7 @@ class Guesses:
             quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
             if i in self.axes:
                 quantity = None if self.axes[i] else "acceleration"
-            if self.mapping.free and {*words_of(raw.name)} & {*WORDS["base_displacement"]}:
+            if self.mapping.free and WORDS["base_displacement"] in self._words(i):
                 quantity = None  # the other axis of a camera: no base moves in a free decay
             if quantity and (other := names.setdefault(quantity, i)) != i:
                 self.require_one_coordinate([other, i])
@@ -328,10 +332,12 @@ class Guesses:
             ):
                 of[i].insert(0, guess)
         sure = {i: guesses[0].quantity for i, guesses in of.items() if guesses[0].doubt <= LIKELY}
+        if {*sure.values()} & {*EXCITATIONS}:
+            return
         for driving, quantity in _RESPONSE_OF.items():
             alike = [i for i, q in sure.items() if q == quantity]
-            bare = [i for i in alike if not {*words_of(self.channels[i].name)} & {*WORDS["mass"]}]
-            if len(alike) > 1 and bare and not {*sure.values()} & {*EXCITATIONS}:
+            bare = [i for i in alike if not self._words(i) & {*WORDS["mass"].split()}]
+            if len(alike) > 1 and bare:
                 of[bare[0]] = [Guess(driving, _BY_NAME + _FIRST, LIKELY), of[bare[0]][-1]]
 
     def _of(self, i: int) -> list[Guess]:
@@ -340,7 +346,7 @@ class Guesses:
             return self._of_lines(i)
         raw, unit, named = self.channels[i], by_unit(self.channels[i]), self.named(i)
         if i not in self.spare(()):
-            moves = {*words_of(raw.name)} & _MOTIONS and unusable(raw)
+            moves = self._words(i) & _MOTIONS and unusable(raw)
             against = named and moves and named.quantity in RESPONSES
             found = [replace(named, doubt=AGAINST_ITS_UNIT)] if named and against else []
             return [*found, Guess("", self.samples.aside.get(i) or self.axes[i])]

@@ -26,7 +26,7 @@ from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .guess import Guesses, first_of
-from .headings import by_unit, coordinate_of, full_name, holds_time, unit_of, unusable
+from .headings import by_unit, coordinate_of, holds_time, unit_of, unusable
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import RawChannel, Table
@@ -102,9 +102,8 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     guesses = Guesses(file, mapping)
     rules: Mapping[str, ChannelRule] = mapping.channels
     if rules:
-        chosen = {
-            q: guesses.find(rule.channel, f"channels.{q}.channel")[0] for q, rule in rules.items()
-        }
+        named = {q: guesses.find(of.channel, f"channels.{q}.channel") for q, of in rules.items()}
+        chosen = {q: found[0] for q, found in named.items()}
     else:
         certain, competing = guesses.certain
         if competing:
@@ -112,10 +111,8 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
         chosen = {guess.quantity: i for i, guess in certain.items()}
         if mapping.free:
             # a possible excitation with a known unit is read as well, to see that it stands still
-            moving = [
-                q for q in EXCITATIONS if q in chosen and by_unit(guesses.channels[chosen[q]])
-            ]
-            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
+            drives = [q for q in EXCITATIONS if q in chosen and by_unit(file.channels[chosen[q]])]
+            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *drives[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
@@ -172,7 +169,7 @@ def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
     """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
     signals as long as those read that no name distinguished; a displacement or velocity that only its unit shows, which
     may be that against a base that moves."""
-    names = [shortened(full_name(raw)) for raw in guesses.channels]
+    names = guesses.names
     for axis in (i for i, why in guesses.axes.items() if not why):
         use = "is used as the acceleration of the mass, as it is the axis with the most motion"
         yield f"{names[axis]} {use}; name another in {guesses.where} if the mass moves along it"
@@ -190,10 +187,8 @@ def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
     for quantity in ("displacement", "velocity"):
         if moving and quantity in chosen and guesses.named(chosen[quantity]) is None:
             use = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
-            remedy = (
-                f"say relative_{quantity} in {guesses.where} if it is measured against the base"
-            )
-            yield f"{names[chosen[quantity]]} {use}; {remedy}"
+            say = f"say relative_{quantity} in {guesses.where}"
+            yield f"{names[chosen[quantity]]} {use}; {say} if it is measured against the base"
 
 
 def _unit(guesses: Guesses, raw: RawChannel, given: str | None, quantity: str) -> float:
