@@ -345,7 +345,7 @@ class Guesses:
         if self.stepped:
             return self._of_lines(i)
         raw, unit, named = self.channels[i], by_unit(self.channels[i]), self.named(i)
-        if i not in self.spare(()):
+        if i in self.samples.aside or self.axes.get(i):
             moves = self._words(i) & _MOTIONS and unusable(raw)
             against = named and moves and named.quantity in RESPONSES
             found = [replace(named, doubt=AGAINST_ITS_UNIT)] if named and against else []
