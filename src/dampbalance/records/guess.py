@@ -362,6 +362,11 @@ class Guesses:
         other = f"another channel is taken for {found[0].quantity}" if found else _BY_UNIT
         return [*found, Guess("", _BY_NOTHING if found and found[0].doubt == UNSAID else other)]
 
+    @cached_property
+    def per_force(self) -> bool:
+        """Whether a table has a column of responses per force."""
+        return bool({*map(column_of, self.channels)} & {*PER_FORCE})
+
     def _of_lines(self, i: int) -> list[Guess]:
         """Return the guesses for a column of a table of steady responses, from the surest on."""
         raw, named = self.channels[i], column_of(self.channels[i])
@@ -376,7 +381,7 @@ class Guesses:
             found = [Guess(q, _BY_NOTHING, UNSAID) for q in ("force", "displacement", "phase")]
         said = found and found[0].doubt < UNSAID
         other = f"another column is taken for {found[0].quantity}" if said else _BY_NOTHING
-        if {*map(column_of, self.channels)} & {*PER_FORCE}:  # no base drives
+        if self.per_force:  # no base drives
             found = [guess for guess in found if not guess.quantity.startswith("base_")]
         return [*found, Guess("", other)]
 
@@ -420,7 +425,7 @@ class Guesses:
                 lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
         if not self.stepped:
             lines += self._time(times)
-        elif {*chosen} & {*PER_FORCE} and not driving and not self.mapping.force_N:
+        elif self.per_force and not driving and not self.mapping.force_N:
             lines.append("force_N: 1.0  # the file has no force: replace by its amplitude")
         read = {self.keys[i] for i in chosen.values()} if self.stepped else set()  # of all levels
         aside = [
