@@ -66,7 +66,7 @@ class NoRows(RecordError):
 def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
     """Return the cells of a line without its comment; none for a blank line."""
     line = line.split(comment, 1)[0].rstrip("\r\n")
-    if not line.strip():
+    if not line.strip(" " if delimiter == "\t" else None):  # tabs alone are a row of empty cells
         return []
     return line.split() if delimiter == WHITESPACE else _split(line, delimiter)
 
