@@ -24,7 +24,8 @@ import numpy as np
 import pandas as pd
 from scipy import signal
 
-from dampbalance import Identified, identify, read_records
+from dampbalance import Result, damping_at, identify, read_records
+from dampbalance.identification.screen import limiting
 
 TABLES, BLOW = "ForcedFrequencyResponses.mat", "HammerImpact.mat"
 COLUMNS = {
@@ -41,7 +42,7 @@ SHOWN = 6  # amplitudes in the table
 ADDITIONS = {"residual": "residual receptance", "hardening": "hardening"}
 
 
-def identified(folder: Path, **changed: Any) -> Identified:
+def identified(folder: Path, **changed: Any) -> Result[Any]:
     """Identify the contact from the tables; other modes, the rigid ones among them, move the driven point, too."""
     options = {"kind": "stepped-sine", "residual": True, **changed}
     return identify(folder / TABLES, mapping={"table": COLUMNS}, **options)
@@ -86,13 +87,13 @@ def decays_in(folder: Path) -> dict[str, pd.DataFrame]:
     return decays
 
 
-def predicted(answer: Identified, decay: pd.DataFrame) -> pd.DataFrame:
+def predicted(answer: Result[Any], decay: pd.DataFrame) -> pd.DataFrame:
     """Return the windows at amplitudes of the tables, with the damping_ratio that these imply, its low and high."""
-    implied = answer.damping_at(decay["X_m"], decay["frequency_hz"]).drop(columns="X_m")
+    implied = damping_at(answer, decay["X_m"], decay["frequency_hz"]).drop(columns="X_m")
     return decay.join(implied).dropna(ignore_index=True)
 
 
-def best_factor(answer: Identified, windows: pd.DataFrame) -> float:
+def best_factor(answer: Result[Any], windows: pd.DataFrame) -> float:
     """Return the factor on the amplitudes of the decay with which the tables predict its damping best.
 
     It is 1 where the channel is at the driven point and the joint has stayed the same.
@@ -107,7 +108,7 @@ def best_factor(answer: Identified, windows: pd.DataFrame) -> float:
 
 
 def results_of(
-    answer: Identified, fewer: dict[str, Identified], decays: dict[str, pd.DataFrame]
+    answer: Result[Any], fewer: dict[str, Result[Any]], decays: dict[str, pd.DataFrame]
 ) -> dict[str, Any]:
     """Return all numbers of the page.   fewer : identifications without an addition, by its name."""
     comparison, first = answer.document()["comparison"], decays[CHANNELS[0]]
@@ -138,13 +139,13 @@ def results_of(
         "windows": windows.loc[shown].to_dict("records"),
         "off_mean": float(off.mean()),
         "off_worst": float(max(off, key=abs)),
-        "rig": list(answer.rig),
+        "rig": answer.in_sentences(answer.rig),
         "best_factor": best_factor(answer, first),
-        "limits": answer.limiting,
+        "limits": limiting(answer),
     }
 
 
-def draw(answer: Identified, decays: dict[str, pd.DataFrame], file: Path) -> None:
+def draw(answer: Result[Any], decays: dict[str, pd.DataFrame], file: Path) -> None:
     """Draw the damping ratio of the decay against its amplitude, and as the tables predict it."""
     plt.rcParams["svg.hashsalt"] = "beam"  # the same bytes each time
     figure, axes = plt.subplots(figsize=(5.0, 3.5), layout="constrained")

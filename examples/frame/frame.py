@@ -26,7 +26,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import stats
 
-from dampbalance import Identified, identify, read_records
+from dampbalance import Result, friction_loops, identify, read_records
+from dampbalance.identification.screen import limiting
 
 LOADS = {f"{g} g": g / 1000.0 for g in (250, 350, 450, 550)}  # kg
 # N/m, kg, N s/m and Hz: nominal values, from the script of the authors of the records
@@ -62,7 +63,7 @@ def halves_of(record: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
     return record[t < end], record[(t >= middle) & (t < middle + CYCLES * period)]
 
 
-def identified(records: dict[str, pd.DataFrame]) -> Identified:
+def identified(records: dict[str, pd.DataFrame]) -> Result[Any]:
     """Identify a friction force for each record by direct integration of the energy balance; the damper is given."""
     return identify(
         list(records.values()),
@@ -147,12 +148,12 @@ def held_out(
 
 def results_of(
     records: dict[str, pd.DataFrame],
-) -> tuple[dict[str, Any], Identified, dict[str, Any]]:
+) -> tuple[dict[str, Any], Result[Any], dict[str, Any]]:
     """Return all numbers of the page, the identification of whole records, and the predictions by their load."""
     whole = identified(records)
     halves = {load: halves_of(record) for load, record in records.items()}
     early, late = (identified({load: h[i] for load, h in halves.items()}) for i in (0, 1))
-    loops, motions = early.friction_loops(MASS), {}
+    loops, motions = friction_loops(early, MASS), {}
     rows: list[dict[str, Any]] = []
     for load, (first, second) in halves.items():
         key, x = f"F_k[{load}]", second["displacement_m"].to_numpy()
@@ -182,7 +183,7 @@ def results_of(
             }
         )
     numbers = {"line": line_through([row["F_k_N"] for row in rows]), "loads": rows}
-    return numbers | {"limits": whole.limiting}, whole, motions
+    return numbers | {"limits": limiting(whole)}, whole, motions
 
 
 def draw(

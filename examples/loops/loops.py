@@ -19,7 +19,7 @@ import jinja2
 import matplotlib.pyplot as plt
 import numpy as np
 
-from dampbalance import Identified, Oscillator, identify, steady_orbits
+from dampbalance import Oscillator, Result, identify, steady_orbits
 
 DAMPER = "damper_0_5in.csv", "damper_1in.csv", "damper_1_5in.csv"
 RATE = 200.0  # Hz, of the tribometer: its column of times has gaps
@@ -68,7 +68,7 @@ def by_hand(x: np.ndarray, f: np.ndarray) -> dict[str, float]:
     return {"F_k": F_k, "K_z": float(np.median(slopes)), "loss": float(np.median(losses))}
 
 
-def numbers_of(found: Identified) -> dict[str, Any]:
+def numbers_of(found: Result[Any]) -> dict[str, Any]:
     """Return values, intervals and verdicts of an identification, and the sentences of its screen."""
     document = found.document()
     return {
@@ -87,7 +87,7 @@ def numbers_of(found: Identified) -> dict[str, Any]:
     }
 
 
-def draw(found: Identified, file: Path) -> None:
+def draw(found: Result[Any], file: Path) -> None:
     """Draw the response of an oscillator with the measured contact over the frequency, and with the contact loose; the
     bands hold what the intervals of F_k and K_z allow."""
     figure, axes = plt.subplots(figsize=(5.0, 3.5), layout="constrained")

@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from .features import Features
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.decays import identify_decays
-    from .identification.forced import identify_forced
-    from .identification.identified import Identified
+    from .identification.forced import friction_loops, identify_forced
+    from .identification.result import Result
+    from .joints.answer import damping_at
     from .measured import identify, identify_joint, identify_loops, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
@@ -35,7 +36,6 @@ __all__ = [
     "BaseMotion",
     "Channel",
     "Features",
-    "Identified",
     "Interval",
     "NoSteadyOrbit",
     "Orbit",
@@ -45,12 +45,15 @@ __all__ = [
     "Record",
     "RecordError",
     "Regime",
+    "Result",
     "Rows",
     "SlidersOrbit",
     "State",
     "StudyResult",
     "Trajectory",
     "Verdict",
+    "damping_at",
+    "friction_loops",
     "identify",
     "identify_decays",
     "identify_forced",
@@ -72,8 +75,9 @@ _MODULES = {
     "features": ("Features",),
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.decays": ("identify_decays",),
-    "identification.forced": ("identify_forced",),
-    "identification.identified": ("Identified",),
+    "identification.forced": ("friction_loops", "identify_forced"),
+    "identification.result": ("Result",),
+    "joints.answer": ("damping_at",),
     "measured": ("identify", "identify_joint", "identify_loops", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),

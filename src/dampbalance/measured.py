@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Literal, Unpack, get_args
+from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
 
 from .arguments import one_of
 from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
-from .identification.identified import Identified
 from .identification.loading import keeps_moving
+from .identification.result import Result
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
-from .joints.records import recognised_as_table as recognised_as_table
 from .loops.answer import identify_loops as identify_loops
 from .project.options import AnyOptions, Stated, asked, with_options
 from .records.channel import ACCOMPANYING
@@ -30,7 +29,7 @@ Kind = Literal["recognised", "forced", "ring-down", "stepped-sine", "loops"]
 """Kind of records: as they are recognised, forced, free decays, tables of steady responses to a stepped sine, or loops
 of force against the displacement of a contact."""
 
-WAYS: Mapping[str, Callable[..., Identified]] = {
+WAYS: Mapping[str, Callable[..., Result[Any]]] = {
     "forced": identify_forced,
     "ring-down": identify_decays,
     "stepped-sine": identify_joint,
@@ -87,7 +86,7 @@ def identify(
     mapping: MappingLike = None,
     kind: Kind = "recognised",
     **options: Unpack[AnyOptions],
-) -> Identified:
+) -> Result[Any]:
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
     The records are recognised and handed over: forced records to `identify_forced`, free decays to `identify_decays`,
@@ -129,7 +128,7 @@ def identify(
             kind = "forced" if all(map(keeps_moving, records)) else "ring-down"
     found = WAYS[kind](records, mapping=mapping, **given)
     if recognised and kind == "loops":
-        found = replace(found, rig=[found.rig[0], Finding("taken for loops"), *found.rig[1:]])
+        found = replace(found, check=[*(found.check or ()), Finding("taken for loops")])
     return found
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
 
 import pytest
 
@@ -11,21 +12,25 @@ from dampbalance.findings.finding import Finding, grouped
 from dampbalance.findings.sentences import SENTENCES, Sentence
 from dampbalance.findings.words import in_a_sentence, sentence
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
+from rooms import PACKAGE
 
 SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
 MANY = [f"{i}.csv" for i in range(20)]
 SAME_NAME = ["one/a.csv", "two/a.csv", "three/b.csv"]
 
 
+TOYS = {
+    "drift": ("drifts by {by:g %} in {t:.0f s}", "let it warm up"),
+    "toy": ("{quantity:noun} is {X:.3g mm} off, of [late?{late:± µs}|no] delay",),
+    "worse": ("{times:factor} times worse",),
+    "cause": ("{what} hides {F_k} of {values:values}: {causes}[others? or {others}]",),
+}
+
+
 @pytest.fixture(autouse=True)
 def toys(monkeypatch):
     """A finding is one line in the table."""
-    for code, words in {
-        "drift": ("drifts by {by:g %} in {t:.0f s}", "let it warm up"),
-        "toy": ("{quantity:noun} is {X:.3g mm} off, of [late?{late:± µs}|no] delay",),
-        "worse": ("{times:factor} times worse",),
-        "cause": ("{what} hides {F_k} of {values:values}: {causes}[others? or {others}]",),
-    }.items():
+    for code, words in TOYS.items():
         monkeypatch.setitem(SENTENCES, code, Sentence(*words))
 
 
@@ -117,3 +122,21 @@ def test_a_finding_survives_a_process_boundary_and_has_a_sentence():
     assert one.document()["numbers"] == {"by": 0.02, "t": 20.0}
     with pytest.raises(KeyError, match="nobody"):
         Finding("nobody")
+
+
+def test_each_code_in_the_package_has_a_sentence_and_each_sentence_a_use():
+    sources = [path.read_text("utf-8") for path in PACKAGE.rglob("*.py")]
+    made = {code for text in sources for code in re.findall(r'Finding\(\s*"([^"]+)"', text)}
+    assert made - {*SENTENCES} == set()
+    parts = {part for one in SENTENCES.values() for part in re.findall(r"\{@(.+?)\}", one.words)}
+    named = {code for text in sources for code in re.findall(r'"([^"\n]+)"', text)}
+    assert {*SENTENCES} - made - parts - named - TOYS.keys() == set()
+
+
+@pytest.mark.parametrize("code", SENTENCES)
+def test_the_marks_of_a_sentence_are_paired(code):
+    for text in SENTENCES[code][:2]:
+        left = re.sub(r"\{[^{}\[\]]+\}", "", text)
+        while left != (left := re.sub(r"\[\w+\?[^\[\]]*\]", "", left)):
+            pass
+        assert not set("{}[]|") & set(left), left

@@ -13,6 +13,7 @@ import pytest
 from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
 from dampbalance.identification.answer import USABLE
+from dampbalance.identification.document import table as rows_of_table
 from dampbalance.identification.law_comparison import (
     LawTest,
     Probability,
@@ -59,15 +60,17 @@ def test_the_coefficients_of_any_law_are_found(name):
     osc, law = LAWS[name]
     true = {symbol: value for symbol, value in truth(osc, law).items() if value}
     found = identified(readings(osc, law), law=Law(tuple(true)))
-    assert found.joint.waveforms_hold
-    assert found.warnings == ()
+    assert found.basis.joint.waveforms_hold
+    assert found.findings == ()
     direct = found.estimates["direct"]
     assert set(direct.coefficients) == set(true)
     for symbol, value in true.items():
         # one drawing: 4 standard errors are exceeded by chance in 6 of 100,000
         error = direct.standard_errors[symbol]
         assert abs(direct.values[symbol] - value) < 4.0 * error < 0.04 * value
-        assert abs(found.joint.fit.value(symbol) - value) < 4.0 * found.joint.fit.error(symbol)
+        assert abs(found.basis.joint.fit.value(symbol) - value) < 4.0 * found.basis.joint.fit.error(
+            symbol
+        )
     assert found.answer.K_z.interval.low < osc.K_z < found.answer.K_z.interval.high
     assert direct.misfit < 5.0  # χ² per degree of freedom, of 3 or 4
 
@@ -115,11 +118,11 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
     law = Law(groups={"F_k": ("light", "heavy") * 2})
     found = identified(two_loads, law=law)
     direct = found.estimates["direct"]
-    assert found.joint.waveforms_hold
+    assert found.basis.joint.waveforms_hold
     for key, value in (("F_k[light]", 1.28), ("F_k[heavy]", 2.0), ("c", 90.0)):
         error = direct.standard_errors[key]
         assert abs(direct.values[key] - value) < 4.0 * error < 0.04 * value
-    row = next(row for row in found.estimates_table() if row["approach"] == "direct")
+    row = next(row for row in rows_of_table(found) if row["approach"] == "direct")
     assert row["F_k_heavy_N"] == direct.coefficients["F_k[heavy]"].value
     rows = found.document()["approaches"]["direct"]["rows"]
     assert rows["a_light_m"][1] == 0.0 < rows["a_heavy_m"][1]
@@ -163,8 +166,8 @@ def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_o
 
 def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
     found = identified(readings(*LAWS["c_r"]), law=Law(("F_k", "c", "c_r")))
-    assert not any("delay" in one.names for one in found.joint.explained)
-    assert any("cannot be distinguished from a skew" in words for words in found.warnings)
+    assert not any("delay" in one.names for one in found.basis.joint.explained)
+    assert "skewed" in {one.code for one in found.findings}
 
 
 @pytest.mark.parametrize("name", ["eta", "c and c_2"])

@@ -10,11 +10,14 @@ import pytest
 
 from blind.other_motion import NO_DEPARTURE, Departure, steady
 from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
+from dampbalance.findings.finding import Finding
+from dampbalance.findings.words import sentence
 from dampbalance.fit.nuisances import NUISANCES
-from dampbalance.identification.causes import CAUSES, likeliest
+from dampbalance.identification.causes import departure, likeliest
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import joint_fit
 from dampbalance.law.law import Law
+from dampbalance.records.coordinate import TRANSLATION
 from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import read_features
 from identification.levels import THREE, changed, measured
@@ -77,7 +80,7 @@ def test_a_departure_is_named_and_fitted_and_the_answer_is_freed_of_it(name):
     whole = joint_fit(lines_of(**options), K, frames=True)
     (best, *_), answer = whole.explained, whole.answer
     assert best.names == (name,)
-    assert best.words.startswith(CAUSES[name].words.partition("{")[0])
+    assert [one.code for one in best.departures] == [name]
     if size is not None:
         # forces act to first order in their size
         off = abs(best.fit.value(name) - size)
@@ -118,12 +121,16 @@ def test_a_turn_of_the_phase_that_acts_like_damping_is_followed_to_its_end(seed)
 
 
 def test_a_size_is_said_to_its_error_or_not_to_be_determined():
-    gradual = CAUSES["gradual"]
-    assert "by 0.314 ± 0.052 of one of Iwan" in gradual.sized(0.3141, 0.0519)
-    assert gradual.sized(1.0, 6235.0).endswith(
-        "by about 1 of one of Iwan (a size that the records do not determine)"
-    )
-    assert "leads the drive by 80 ± 11 µs" in CAUSES["delay"].sized(-8e-5, 1.1e-5)
+    for name, value, error, size in (
+        ("gradual", 0.3141, 0.0519, "0.314 ± 0.052"),
+        ("gradual", 1.0, 6235.0, "about 1 "),
+        ("delay", -8e-5, 1.1e-5, " 80 ± 11 µs"),
+        ("friction_level", -0.081, 0.011, "−8.1 ± 1.1 %"),
+    ):
+        one = departure(name, value, error)
+        assert size in sentence(one, TRANSLATION)
+        assert one.numbers["unsure"] == (error > abs(value))
+        assert one.numbers["less"] == (value < 0.0)
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -178,10 +185,9 @@ def test_a_motion_in_the_wrong_frame_is_named_and_the_answer_is_that_of_the_righ
     channel, taken_for, hz, base
 ):
     found = identify_readings(in_frame(channel, taken_for, hz, base), PAPER.k)
-    said = next(w for w in found.warnings if "was taken for" in w)
-    relative, absolute = "relative to the base", "absolute"
-    taken = (relative, absolute) if channel.startswith("relative") else (absolute, relative)
-    assert f"a response that is {taken[0]} and was taken for {taken[1]}" in said
+    (said,) = (one for one in found.findings if one.code == "departs")
+    (frame,) = said.numbers["causes"]
+    assert frame == Finding("frame", {"absolute": not channel.startswith("relative")})
     for symbol in ("F_k", "c"):
         assert found.values[symbol] == pytest.approx(getattr(PAPER, symbol), rel=0.02)
         assert found.verdicts[symbol].verdict == "usable"
@@ -190,7 +196,7 @@ def test_a_motion_in_the_wrong_frame_is_named_and_the_answer_is_that_of_the_righ
 @pytest.mark.parametrize("channel", ["displacement", "relative_displacement"])
 def test_a_motion_in_its_own_frame_is_not_doubted(channel):
     answer = identify_readings(in_frame(channel, channel), PAPER.k)
-    assert not any("taken for" in w for w in answer.warnings)
+    assert not any(one.code == "departs" for one in answer.findings)
     assert answer.verdicts["F_k"].verdict == "usable"
 
 
@@ -200,9 +206,8 @@ def test_a_wrong_gain_is_said_with_its_size_and_what_only_a_calibration_tells(ga
     base = "base_displacement"
     records = [changed(r, base, values=(1.0 + gain) * r[base].values) for r in records]
     found = identify(records, PAPER.k)
-    (said,) = (w for w in found.warnings if "the records show" in w)
-    assert "a drive that reads" in said
-    assert "calibrate the drive and the response" in said
+    (said,) = (one for one in found.findings if one.code == "departs")
+    assert [one.code for one in said.numbers["causes"]] == ["gain"]
     for symbol in ("F_k", "c"):
         low, high = found.intervals[symbol]
         assert low < getattr(PAPER, symbol) < high
@@ -242,7 +247,7 @@ def rare(name, noise, factor=1.0):
 def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
     osc, records = rare(name, noise)
     found = identify(records, osc.k)
-    assert not any("unit" in words for words in found.warnings)
+    assert "unit" not in {one.code for one in found.findings}
     assert found.verdicts["F_k"].verdict == "usable"
     assert found.values["F_k"] == pytest.approx(osc.F_k, rel=max(1e-4, 2.0 * noise))
 
@@ -251,5 +256,6 @@ def test_a_rare_rig_is_not_asked_for_its_units(name, noise):
 def test_a_unit_of_one_channel_is_asked_for_where_another_fits(name, factor):
     osc, records = rare(name, 1e-3, factor)
     found = identify(records, osc.k)
-    assert any("of one channel wrong (mm taken for m)?" in words for words in found.warnings)
+    asked = {one.numbers["confused"] for one in found.findings if one.code == "unit"}
+    assert asked == {"mm taken for m"}
     assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from dampbalance.identification.remarks import contradiction
 
 from blind.decays import clean, record
 from dampbalance.fit.decay import Decay
+from dampbalance.identification.balance_check import contradiction
 from dampbalance.identification.decays import _least_squares, identify_ring_downs
 from dampbalance.identification.half_cycles import rows_of, swings_of
 from dampbalance.signals.bursts import Signal
@@ -209,8 +209,8 @@ def test_a_contradiction_is_reported_by_its_size():
     assert not [*contradiction(answer, Stated(F_k, c), 0.05)]
     # 12 standard errors, but nobody minds
     assert not [*contradiction(answer, Stated(0.96 * F_k, c), 0.05)]
-    (remark,) = contradiction(answer, Stated(0.8 * F_k, c), 0.05)
-    assert "F_k by +25 %" in remark
-    assert set(remark.doubts) == {"F_k"}
+    (found,) = contradiction(answer, Stated(0.8 * F_k, c), 0.05)
+    assert found.numbers["changes"] == (("F_k", 0.8 * F_k, pytest.approx(0.2 * F_k)),)
+    assert found.effect == {"F_k": pytest.approx(0.25)}
     # rows that do not meet one law determine it less well
     assert not [*contradiction(answer, Stated(0.8 * F_k, c), 0.05, wider=30.0)]

@@ -21,8 +21,10 @@ from dampbalance import (
     measured_ring_down,
     read_records,
 )
+from dampbalance.findings.finding import Finding
+from dampbalance.findings.words import sentence
+from dampbalance.identification import report
 from dampbalance.identification.outputs import ALL_PICTURES, PICTURES, REPORT, TABLES, pictures_of
-from dampbalance.project.wording import Remark
 from folders import ROOT
 from identification.levels import changed, clipped, measured
 from paper_case import PAPER
@@ -186,10 +188,12 @@ def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady):
 
 
 def test_the_screen_has_three_causes_the_one_that_changes_most_first():
-    few = Remark("{} hides {}", "a cable", "a part", doubts={"F_k": 0.01})
-    much = Remark("the gain is wrong; check it", doubts={"": 0.2})
-    others = [Remark(f"a {word} is seen") for word in ("line", "step", "drift")]
-    found = replace(identify(made(), PAPER.k), warnings=(*others, few, much))
+    few = Finding("as read", {"words": "a cable hides a part"}, {"F_k": 0.01})
+    much = Finding("as read", {"words": "the gain is wrong; check it"}, {"": 0.2})
+    others = [
+        Finding("as read", {"words": f"a {word} is seen"}) for word in ("line", "step", "drift")
+    ]
+    found = replace(identify(made(), PAPER.k), odd=(*others, few, much))
     said = [line for line in found.screen().splitlines() if line.startswith("- ")]
     assert said == [
         "- The gain is wrong; check it.",
@@ -218,7 +222,7 @@ def test_it_shows_itself_as_the_command_does(found):
     for name, answer in found.approaches.items():
         assert name in text
         assert f'<th scope="row">{name}' in html
-        assert all(note.split(":")[0] in text for note in answer.notes)
+        assert all(sentence(note, found.coordinate) in text for note in answer.notes)
     assert html.count("<td>") == len(found.approaches) * (len(found.values) + 1)
     cells = pd.read_html(html)[0] if importlib.util.find_spec("lxml") else None
     assert cells is None or len(cells) == len(found.approaches)
@@ -277,7 +281,7 @@ def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path):
 
 @BOTH
 def test_the_pictures_of_a_kind_are_those_declared(found):
-    assert found.figures == PICTURES[found.kind.get("kind", "forced")]
+    assert found.figures == tuple(PICTURES[found.basis.kind])
 
 
 def test_an_error_in_the_report_leaves_what_was_there(tmp_path, monkeypatch):
@@ -290,7 +294,7 @@ def test_an_error_in_the_report_leaves_what_was_there(tmp_path, monkeypatch):
     def fails(*_):
         raise OSError("no room")
 
-    monkeypatch.setattr(type(found), "_report", fails)
+    monkeypatch.setattr(report, "report", fails)
     with pytest.raises(OSError, match="no room"):
         found.save(tmp_path, overwrite=True)
     assert {file.name: file.read_text() for file in tmp_path.iterdir()} == {
@@ -373,7 +377,7 @@ def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transdu
     x = records[1]["displacement"].values + 0.02
     records[1] = replace(changed(records[1], "displacement", values=x), source="another zero")
     found = identify(records, PAPER.k)
-    for reading, axes in zip(found.readings, found.plot("cycles")[::2], strict=True):
+    for reading, axes in zip(found.basis.readings, found.plot("cycles")[::2], strict=True):
         dots, line = axes.get_lines()[:2]
         on_line = np.interp(dots.get_xdata(), line.get_xdata(), line.get_ydata(), period=360.0)
         # half a degree between the points of the line, and the noise

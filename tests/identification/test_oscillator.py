@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dampbalance.identification.remarks import doubted
 
-from dampbalance.identification.oscillator import NOT_CONVERGED, joint_fit, with_common_fit
+from dampbalance.findings.finding import UNBOUNDED, Finding
+from dampbalance.identification.answer import doubted
+from dampbalance.identification.oscillator import joint_fit, with_common_fit
 from identification.levels import read
 from paper_case import NEAR, PAPER, orbits_at
 from signals.harmonics import lines_of
@@ -107,6 +108,7 @@ def test_a_search_that_did_not_converge_is_said():
     assert whole.fit.converged
     assert whole.notes == ()
     ended = replace(whole, fit=replace(whole.fit, promise=1.0))  # 1.4 standard errors further on
-    assert ended.notes == (NOT_CONVERGED,)
+    early = (Finding("not converged", effect=UNBOUNDED),)
+    assert ended.notes == early
     judged = doubted({"fit": ended.answer}, [])["fit"].verdicts["F_k"]
-    assert (judged.verdict, judged.reason) == ("doubtful", NOT_CONVERGED)
+    assert (judged.verdict, judged.findings) == ("doubtful", early)

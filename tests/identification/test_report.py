@@ -13,8 +13,11 @@ import numpy as np
 import pytest
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
-from dampbalance.identification.answer import unit_of
-from dampbalance.identification.identified import Level, damping_ratio
+from dampbalance.findings.words import unit_of
+from dampbalance.identification.document import table as rows_of_table
+from dampbalance.identification.drawing import draw
+from dampbalance.identification.forced import friction_loops
+from dampbalance.identification.result import Level, damping_ratio
 from dampbalance.identification.screen import interval_of, value_of
 from folders import ROOT
 from identification.levels import clipped
@@ -108,7 +111,7 @@ def test_where_there_is_no_answer_the_cause_comes_first_and_the_numbers_last(
     assert "These records give no answer" in page
     assert page.index("Causes and remedies") < page.index("95 % interval")
     assert cause in doubtful.document()["no_answer"]
-    assert [cause in row["no_answer"] for row in doubtful.estimates_table()[:1]] == [True]
+    assert [cause in row["no_answer"] for row in rows_of_table(doubtful)[:1]] == [True]
     # numbers that can be used come before what limits them
     page = words(report("steady"))
     assert steady.text().startswith(steady.head)
@@ -136,15 +139,21 @@ def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
     """∮ f dx = a F_k; without a fit the mass is that of a contact that does not yield."""
     result = steady
     if not fitted:
-        result = replace(result, joint=replace(result.joint, fit=None), reference=None)
-    for loop in result.friction_loops(PAPER.m).values():
+        result = replace(
+            result,
+            basis=replace(result.basis, joint=replace(result.basis.joint, fit=None)),
+            reference=None,
+        )
+    for loop in friction_loops(result, PAPER.m).values():
         v = loop["v_m_per_s"]
         off = loop["f_N"] / PAPER.F_k - np.sign(v)
         # away from the stops, about which harmonics ring; noise and fit leave less than a hundredth
         assert off[v.abs() > 0.3 * v.abs().max()].abs().max() < 0.02
-    with pytest.raises(ValueError, match="damping_at: these records are no stepped sine"):
-        result.damping_at(1e-3, 4.0)
-    for axes, a in zip(result.draw("friction").axes, result.features.a, strict=True):
+    for axes, a in zip(
+        draw(result.pictures["friction"], result.coordinate).axes,
+        result.basis.features.a,
+        strict=True,
+    ):
         lines = by_label(axes)
         x, f = lines["from the record"].get_data()
         area = abs(np.trapezoid(f, 1e-3 * x))
@@ -169,7 +178,7 @@ def test_the_residual_of_a_cycle_is_noise_unless_the_fit_fails(found, kind, larg
 def test_a_decay_fills_the_picture_as_long_as_it_moves(decay):
     panel = decay.plot("decays")[0]
     assert panel.get_position().width > 0.85
-    (start, end), fit = panel.get_xlim(), decay.fit
+    (start, end), fit = panel.get_xlim(), decay.basis.fit
     moves = fit.sticks_from(0)
     assert moves < end - start <= moves + 1.6 * fit.decays[0].period
 

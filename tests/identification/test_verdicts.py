@@ -3,25 +3,15 @@
 from __future__ import annotations
 
 import math
-import pickle
 from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dampbalance.identification.remarks import (
-    Limit,
-    agreement,
-    doubted,
-    forbidden,
-    in_a_sentence,
-    limits,
-    notes_on,
-    on_records,
-)
 
 from dampbalance.balance import Rows
+from dampbalance.findings.finding import UNBOUNDED, Finding
 from dampbalance.identification.answer import (
     FUNDAMENTALS,
     REFERENCE,
@@ -30,11 +20,15 @@ from dampbalance.identification.answer import (
     Balance,
     Interval,
     ParameterEstimate,
+    doubted,
 )
-from dampbalance.identification.identified import Identified
-from dampbalance.identification.oscillator import FAR, JointFit, Microstick
+from dampbalance.identification.balance_check import forbidden, notes_on
+from dampbalance.identification.diagnosis import agreement, on_records
+from dampbalance.identification.oscillator import JointFit, Microstick
+from dampbalance.identification.result import Result
 from dampbalance.identification.screen import in_one, with_interval
-from dampbalance.project.wording import Remark, factor, listed, times
+from dampbalance.project.wording import listed, times
+from dampbalance.records.coordinate import TRANSLATION
 
 
 def parameter(value, half):
@@ -56,30 +50,40 @@ def with_parameters(**changed):
     return replace(SOUND, parameters={**SOUND.parameters, **changed})
 
 
-NOTED = Remark("another oscillator")
+def toy(words, effect=None, of=""):
+    """A finding that says these words."""
+    return Finding("as read", {"words": words}, effect or {}, of)
+
+
+NOTED = toy("another oscillator")
+FAR = Finding("far", effect=UNBOUNDED)
 WIDE = parameter(1.28, 0.65)
 LIMIT = ParameterEstimate(math.inf, math.nan, Interval(41234.5, math.inf))
 UNSOLVED = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), notes=(NOTED,))
 
 
 @pytest.mark.parametrize(
-    ("answer", "verdicts", "reason"),
+    ("answer", "verdicts", "codes"),
     [
-        (SOUND, "usable within 0.96 %", ""),
-        (replace(SOUND, notes=(NOTED,)), "usable within 0.96 %", ""),
-        (UNSOLVED, "none", NOTED),
-        (with_parameters(K_z=UNKNOWN), "usable within 0.78 %: F_k, c; none: K_z", "not determine"),
-        (with_parameters(K_z=LIMIT), "usable within 0.78 %: F_k, c; doubtful: K_z", "> 41234 N/m"),
-        (with_parameters(K_z=parameter(1.28, 0.63)), "usable within 49 %", ""),
-        (with_parameters(K_z=WIDE), "usable within 0.78 %: F_k, c; doubtful: K_z", "wider than"),
+        (SOUND, "usable within 0.96 %", []),
+        (replace(SOUND, notes=(NOTED,)), "usable within 0.96 %", []),
+        (UNSOLVED, "none", ["as read"]),
+        (with_parameters(K_z=UNKNOWN), "usable within 0.78 %: F_k, c; none: K_z", ["undetermined"]),
+        (
+            with_parameters(K_z=LIMIT),
+            "usable within 0.78 %: F_k, c; doubtful: K_z",
+            ["lower limit"],
+        ),
+        (with_parameters(K_z=parameter(1.28, 0.63)), "usable within 49 %", []),
+        (with_parameters(K_z=WIDE), "usable within 0.78 %: F_k, c; doubtful: K_z", ["wide"]),
     ],
     ids=["sound", "noted", "unsolved", "missing", "a limit", "narrow", "wide"],
 )
-def test_a_number_that_is_not_usable_has_a_reason(answer, verdicts, reason):
-    assert in_one(answer.verdicts) == verdicts
+def test_a_number_that_is_not_usable_has_a_reason(answer, verdicts, codes):
+    assert in_one(answer.verdicts, TRANSLATION) == verdicts
     for one in answer.verdicts.values():
-        assert (one.reason == "") == (one.verdict == "usable")
-    assert reason in answer.verdicts["K_z"].reason
+        assert (one.worded(TRANSLATION).reason == "") == (one.verdict == "usable")
+    assert [one.code for one in answer.verdicts["K_z"].findings] == codes
 
 
 def test_friction_that_does_not_show_is_a_limit_where_the_damping_is_known():
@@ -91,7 +95,8 @@ def test_friction_that_does_not_show_is_a_limit_where_the_damping_is_known():
         return replace(with_parameters(F_k=F_k, c=c), covariance=covariance)
 
     verdicts = answer(none, sure).verdicts
-    assert verdicts["F_k"] == ("usable", "an upper limit only: F_k < 0.00010 N", math.inf)
+    assert verdicts["F_k"][::2] == ("usable", math.inf)
+    assert verdicts["F_k"].worded(TRANSLATION).reason == "an upper limit only: F_k < 0.00010 N"
     assert verdicts["c"].within == pytest.approx(0.2 / 9.0)
     # a contact that only sticks takes nothing, whatever its friction is, and the damping knows nothing of it
     apart = answer(none, sure, np.diag(errors**2))
@@ -104,79 +109,11 @@ def test_an_answer_has_a_coefficient_whose_error_is_bounded():
     assert not UNSOLVED.answered
     assert not replace(UNSOLVED, parameters={**UNSOLVED.parameters, "K_z": SOUND.K_z}).answered
     warned = partial(doubted, {"direct": SOUND})
-    assert not warned([Remark("exchanged", doubts={"": math.inf})])["direct"].answered
-    assert warned([Remark("Stribeck", doubts={"F_k": math.inf})])["direct"].answered
-    assert warned([Remark("a wrong mass", doubts={"": 0.9})])["direct"].answered
+    assert not warned([toy("exchanged", UNBOUNDED)])["direct"].answered
+    assert warned([toy("Stribeck", {"F_k": math.inf})])["direct"].answered
+    assert warned([toy("a wrong mass", {"": 0.9})])["direct"].answered
     # what may change a number by all of it bounds nothing
-    assert not warned([Remark("a wrong mass", doubts={"": 1.1})])["direct"].answered
-
-
-SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
-
-
-def drift(by, i):
-    return Remark("drifts by {:g} % in {} s: let it warm up", by, 20, source=SOURCES[i])
-
-
-CLIPS = partial(Remark, "{} is clipped")
-MANY = [f"{i}.csv" for i in range(20)]
-SAME_NAME = ["one/a.csv", "two/a.csv", "three/b.csv"]
-SIZES = zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
-
-
-@pytest.mark.parametrize(
-    ("warnings", "sources", "sentences"),
-    [
-        (
-            [drift(3.5, 0), drift(1e-5, 1)],
-            SOURCES,
-            ["a.csv and b.csv: drifts by 1·10⁻⁵ to 3.5 % in 20 s: let it warm up"],
-        ),
-        (
-            [drift(3.5, 0), drift(1e-5, 1), drift(-2.0, 2)],
-            SOURCES,
-            ["all 3 records: drifts by −2 to 3.5 % in 20 s: let it warm up"],
-        ),
-        (
-            [*(CLIPS(q, source=SOURCES[0]) for q in ("acc1", "acc{2}")), Remark("100 % {alike}")],
-            SOURCES,
-            ["a.csv: acc1 is clipped", "a.csv: acc{2} is clipped", "100 % {alike}"],
-        ),
-        (
-            [Remark("{} times worse", factor(x), source=s) for s, x in SIZES],
-            SOURCES,
-            ["all 3 records: 12 to more than 1000 times worse"],
-        ),
-        (
-            [CLIPS("x", source=s) for s in SAME_NAME[:2]],
-            SAME_NAME,
-            ["one/a.csv and two/a.csv: x is clipped"],
-        ),
-        (
-            [CLIPS("x", source=s) for s in MANY[:9]],
-            MANY,
-            ["9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): x is clipped"],
-        ),
-    ],
-    ids=["two", "all", "different", "a factor", "one name", "many"],
-)
-def test_the_same_warning_on_several_records_is_one_sentence_with_its_range(
-    warnings, sources, sentences
-):
-    assert [in_a_sentence(limit, sources) for limit in limits({}, warnings)] == sentences
-
-
-def test_a_warning_names_its_record_and_survives_a_process_boundary():
-    assert drift(3.5, 0) == "data/a.csv: drifts by 3.5 % in 20 s: let it warm up"
-    one = Remark("{} {:.1f} %", "off {by}", 2.0, source="a")
-    other = pickle.loads(pickle.dumps(one))
-    assert (other, other.kind, other.of) == ("a: off {by} 2.0 %", one.kind, one.of)
-
-
-def test_notes_of_approaches_go_together():
-    off = {"X_s": -16.0, "t_s": -17.0}
-    answers = {s: replace(SOUND, notes=(Remark("F_k by {:g} %", x),)) for s, x in off.items()}
-    assert limits(answers, []) == [Limit("approaches", ("X_s", "t_s"), "F_k by −17 to −16 %")]
+    assert not warned([toy("a wrong mass", {"": 1.1})])["direct"].answered
 
 
 NEAR = replace(SOUND, name=REFERENCE, balance=None)
@@ -197,42 +134,36 @@ NEAR = replace(SOUND, name=REFERENCE, balance=None)
     ],
 )
 def test_what_is_warned_of_is_doubtful_beyond_the_interval_and_five_percent(doubts, doubtful):
-    warning = Remark("late by {} s", 2, source="a", doubts=doubts, spares=("direct",))
+    warning = Finding("asymmetric", {"order": 2, "share": 0.1}, doubts, of="a")
     answers = doubted({"direct": SOUND, REFERENCE: NEAR}, [warning])
-    assert in_one(answers["direct"].verdicts) == "usable within 0.96 %"
+    assert in_one(answers["direct"].verdicts, TRANSLATION) == "usable within 0.96 %"
     judged = answers[REFERENCE].verdicts
     assert [s for s, v in judged.items() if v.verdict == "doubtful"] == doubtful.split()
-    assert all(judged[symbol].reason == "late by 2 s" for symbol in doubtful.split())
+    assert all(judged[symbol].findings == (warning,) for symbol in doubtful.split())
 
 
 def test_a_shift_inside_a_wide_interval_is_no_doubt():
     rough = with_parameters(F_k=parameter(1.0, 0.4))
     for shift, verdict in ((0.06, "usable"), (0.3, "usable"), (0.41, "doubtful")):
-        answer = doubted({"direct": rough}, [Remark("drift", doubts={"F_k": shift})])["direct"]
+        answer = doubted({"direct": rough}, [toy("drift", {"F_k": shift})])["direct"]
         assert answer.verdicts["F_k"].verdict == verdict
 
 
 def test_an_interval_holds_what_departures_can_do_to_the_number():
-    of_two_records = [Remark("late by {} s", i, doubts={"": 0.01 * i}) for i in (1, 3)]
-    note = Remark("another shape", doubts={"F_k": 0.04})
+    of_two_records = [Finding("exchanged", {"sine": i}, {"": 0.01 * i}) for i in (1.0, 3.0)]
+    note = toy("another shape", {"F_k": 0.04})
     answer = doubted({"direct": replace(SOUND, notes=(note,))}, of_two_records)["direct"]
     # half the width before, 0.01 of 1.28; the worse of two records, 3 %, and 4 % of the note, in quadrature
     half = math.hypot(0.01, 0.05 * 1.28)
     assert answer.intervals["F_k"] == pytest.approx((1.28 - half, 1.28 + half))
-    assert answer.verdicts["F_k"] == ("usable", "", pytest.approx(half / 1.28))
+    assert answer.verdicts["F_k"] == ("usable", "", pytest.approx(half / 1.28), ())
     assert answer.verdicts["c"].within == pytest.approx(math.hypot(0.1 / 90.0, 0.03))
     # a shift is taken for 95 % of what may be
     error = answer.standard_errors["F_k"]
     assert error == pytest.approx(math.hypot(0.005, 0.05 * 1.28 / 1.959964))
     plain = replace(SOUND, covariance=np.diag([0.005**2, 0.05**2, 1e6]))
-    wider = doubted({"direct": plain}, [Remark("late", doubts={"F_k": 0.05})])["direct"].covariance
+    wider = doubted({"direct": plain}, [toy("late", {"F_k": 0.05})])["direct"].covariance
     assert np.sqrt(np.diag(wider)) == pytest.approx([error, 0.05, 1000.0])
-
-
-class Both(Identified):
-    """The answers of a balance and a fit, and nothing else."""
-
-    findings = pictures = None
 
 
 @pytest.mark.parametrize(
@@ -246,14 +177,13 @@ class Both(Identified):
         (replace(SOUND, notes=(FAR,)), NEAR, (), REFERENCE),
         (UNSOLVED, replace(NEAR, notes=(FAR,)), (), REFERENCE),
         # the warning concerns the fit only, or both
-        (SOUND, NEAR, (Remark("asymmetric", doubts={"": 0.9}, spares=("direct",)),), "direct"),
-        (SOUND, NEAR, (Remark("unsteady", doubts={"": 0.9}),), REFERENCE),
+        (SOUND, NEAR, (Finding("asymmetric", {"order": 2, "share": 0.9}, {"": 0.9}),), "direct"),
+        (SOUND, NEAR, (toy("unsteady", {"": 0.9}),), REFERENCE),
     ],
 )
 def test_the_first_answer_is_the_one_to_use(balance, fit, warnings, first):
-    kinds = {"head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
-    Both.__abstractmethods__ = frozenset()
-    outcome = Both(estimates={"direct": balance}, reference=fit, warnings=warnings, **kinds)
+    kinds = {"basis": None, "head": "", "rig": (), "settings": {}, "k": 1.0, "sources": ()}
+    outcome = Result(estimates={"direct": balance}, reference=fit, odd=warnings, **kinds)
     assert next(iter(outcome.approaches)) == first
     assert set(outcome.approaches) == {"direct", REFERENCE} - (
         {REFERENCE} if fit is None else set()
@@ -297,22 +227,23 @@ def test_an_onset_that_is_not_known_moves_F_k_by_half_of_the_stick():
     ]
     fit = SimpleNamespace(adequate=False)
     (note,) = notes_on(answer, readings, JointFit(fit, linear=False))
-    assert note.doubts["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
+    assert note.effect["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
 
 
 def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
     negative = with_parameters(F_k=parameter(-0.1, 0.2), c=parameter(-6.0, 1.0))
     linear = JointFit(None, True, None)
-    for readings, cause in (
-        ([read("a", force=0.0)], "a sign, a gain, a channel or the stiffness may be wrong"),
+    for readings, clipped in (
+        ([read("a", force=0.0)], ""),
         (
             [read("a", force=0.2, velocity=0.9), read("b", velocity=1.0)],
-            "clipping is the likely cause (velocity of a and velocity of b); raise the measuring range",
+            "velocity of a and velocity of b",
         ),
     ):
         first = next(notes_on(negative, readings, linear))
-        assert first == f"c = −6.00 N s/m is negative, which physics forbids: {cause}"
-    assert forbidden(SOUND.coefficients, [], "all") == []
+        numbers = {"value": (("c", -6.0),), "clipped": clipped}
+        assert first == Finding("negative", numbers, UNBOUNDED)
+    assert forbidden(SOUND.coefficients, []) == []
 
 
 @pytest.mark.parametrize(
@@ -351,18 +282,19 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         JointFit(fit, False),
         with_parameters(c=off),
     )
-    assert any("the energy balance and the fit" in words for words in warnings) == apart
+    assert any(one.code == "contradicts" for one in warnings) == apart
 
 
 @pytest.mark.parametrize(("chi_square", "spared"), [(3.0, True), (1e4, False)])
 def test_a_distorted_drive_doubts_fundamentals_that_their_noise_does_not_explain(
     chi_square, spared
 ):
-    distorted = Remark("not harmonic", doubts={"": 0.4}, spares=("direct", REFERENCE))
+    distorted = Finding("base", effect={"": 0.4})
     steady = SimpleNamespace(source="a", warnings=())
     reading = SimpleNamespace(steady=steady, warnings=(distorted, NOTED))
     alone = SimpleNamespace(chi_square=chi_square, freedom=3)
     said, noted = on_records([reading], SimpleNamespace(fundamentals=alone))
-    assert (FUNDAMENTALS in said.spares) == spared
-    assert {"direct", REFERENCE} <= {*said.spares}
-    assert noted.spares == ()
+    assert said.spares(FUNDAMENTALS) == spared
+    assert said.spares("direct")
+    assert said.spares(REFERENCE)
+    assert not any(map(noted.spares, ("direct", REFERENCE, FUNDAMENTALS)))

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, Oscillator, identify, measured_ring_down, steady_orbit
+from dampbalance.findings.words import sentence
 from dampbalance.fit.score import Departure
 from dampbalance.identification.decay_laws import condition_of
+from dampbalance.identification.screen import limiting
 from dampbalance.joints.synthetic import stepped_sine
 from dampbalance.law.parallel_sliders import Sliders
-from dampbalance.project.wording import sentence
+from dampbalance.records.coordinate import TRANSLATION
 from dampbalance.records.synthetic import measured_orbit
 from identification.levels import changed, measured
 from paper_case import PAPER
@@ -30,7 +32,7 @@ def texts_of(found):
             str(found),
             found.text(),
             found._repr_html_(),
-            *(sentence(of.words) for of in found.limits),
+            *limiting(found),
         ]
     )
 
@@ -130,10 +132,10 @@ def test_a_law_that_would_change_the_numbers_of_a_decay_is_said_in_words(decay, 
     fit = decay.fit
     slopes = {name: sign * size * fit.value(name) for name in fit.names if fit.error(name) > 0.0}
     further = Departure("c_2", 1.0, 1e-3, 1e-9, slopes)
-    words, _ = condition_of(fit, [further])
-    assert slips(words) == []
-    for name in ("F_k", "c", "K_z"):
-        assert f"{name} by up to" in words or not size > 1.0 or sign < 0.0
+    found, _ = condition_of(fit, [further])
+    assert slips(" ".join(sentence(one, TRANSLATION) for one in found)) == []
+    named = {symbol for one in found for symbol, *_ in one.numbers["changes"]}
+    assert {"F_k", "c", "K_z"} <= named or not size > 1.0 or sign < 0.0
 
 
 def test_what_is_said_of_a_stepped_sine():

@@ -17,6 +17,7 @@ from scipy.io import savemat
 
 from dampbalance import RecordError, read_records
 from dampbalance.joints.records import SteppedRecord
+from dampbalance.records.readers import mapping_to_start_from
 from records.workbooks import row, xlsx
 
 M, C, K = 2.0, 10.0, 5000.0
@@ -319,6 +320,52 @@ def test_a_mapping_says_what_a_table_does_not(tmp_path):
     ):  # fmt: skip
         with pytest.raises(RecordError, match=message):
             read_records(path, mapping=wrong)
+
+
+UNCLEAR = {
+    "all clear": {},
+    "a transducer": {"Force amplitude [N]": "Load cell [N]"},
+    "a response without a name": {"displacement (mm)": "probe 1 [mm]"},
+    "another angle": {"phase (rad)": "lag [rad]"},
+    "only units": {"Frequency [Hz]": "a [Hz]", "Force amplitude [N]": "b [N]", "phase (rad)": "d [rad]"},
+    "no unit of phase": {"phase (rad)": "phase"},
+    "a column left over": {"level": "coherence"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("names", UNCLEAR.values(), ids=UNCLEAR)
+def test_the_draft_of_a_mapping_reads_the_table(tmp_path, names):
+    columns = table("displacement (mm)")
+    if "level" in names:
+        columns = {name: of[: HZ.size] for name, of in columns.items()}
+    path = written(tmp_path / "a.csv", {names.get(name, name): of for name, of in columns.items()})
+    draft = yaml.safe_load(mapping_to_start_from(path, stepped=True))
+    require_truth(levels_of(path, mapping=draft), FORCES[: columns["level"][-1].astype(int)])
+    if set(names.values()) & {"Load cell [N]", "probe 1 [mm]", "phase"}:
+        with pytest.raises(RecordError) as refused:
+            levels_of(path)
+        assert yaml.safe_load(str(refused.value).partition(", for example\n")[2]) == draft
+
+
+def test_the_draft_of_a_mapping_names_matrices_and_groups_once(tmp_path):
+    names = dict(
+        zip(SHORT, ("frequency_Hz", "force_N", "displacement_mm", "phase_deg"), strict=True)
+    )
+    held = {names[key]: of for key, of in SHORT.items()}
+    savemat(tmp_path / "a.mat", held)
+    savemat(
+        tmp_path / "b.mat",
+        {"one": {key: of.T[0] if of.ndim > 1 else of for key, of in held.items()}},
+    )
+    for path, forces in ((tmp_path / "a.mat", FORCES), (tmp_path / "b.mat", FORCES[:1])):
+        draft = yaml.safe_load(mapping_to_start_from(path))
+        require_truth(levels_of(path, mapping=draft), forces)
+
+
+def test_a_standard_error_of_nothing_is_left_aside():
+    columns = table() | {"velocity std [mm/s]": np.ones(2 * HZ.size)}
+    require_truth(levels_of(columns))
+    assert all(level.error is None for level in levels_of(columns))
 
 
 def test_a_record_in_time_is_no_table():

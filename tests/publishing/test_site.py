@@ -9,9 +9,10 @@ import json
 import re
 
 import pytest
-from dampbalance.identification.symptoms import PAGE, SYMPTOMS, address
 
 from dampbalance.commands.main import parser
+from dampbalance.findings.sentences import SENTENCES
+from dampbalance.identification.report import PAGE
 from dampbalance.project.wording import with_error
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared
@@ -136,8 +137,9 @@ def test_studies_show_what_came_out(site):
 
 def test_each_symptom_can_be_led_to(site):
     page = read_page(site / f"{PAGE}.html")
-    assert {address(name).partition("#")[2] for name in SYMPTOMS} <= page.ids
-    assert page.text.count("Fault: ") == len(SYMPTOMS)
+    sections = {one.page for one in SENTENCES.values() if one.page}
+    assert sections <= page.ids
+    assert page.text.count("Fault: ") == len(sections)
 
 
 def test_notebooks_of_the_gallery_have_their_outputs(site):

@@ -14,6 +14,7 @@ from dampbalance.estimates import estimate_table
 from dampbalance.features import Features
 from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
+from dampbalance.identification.drawing import draw
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.causes import Sources
@@ -101,7 +102,7 @@ def decay_with_fit():
     truth = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208_000.0, F_k=0.5)
     decay = measured_ring_down(truth, x=0.01, rate_hz=250.0, duration=2.6, noise=0.02, seed=1)
     answer = identify(decay, stiffness=truth.k)
-    figure = answer.draw("decays")
+    figure = draw(answer.pictures["decays"], answer.coordinate)
     words = [
         f"${symbol}$ = {with_error(0.5 * (low + high), 0.5 * (high - low))} {unit} (true: {true:g})"
         for symbol, unit, true in (("F_k", "N", truth.F_k), ("c", "N s/m", truth.c))

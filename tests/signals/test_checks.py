@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.project.wording import Remark
+from dampbalance.findings.finding import Finding
+from dampbalance.records.coordinate import ROTATION, TRANSLATION
 from dampbalance.signals import checks
 from dampbalance.signals.cycles import CycleHarmonics
 
@@ -25,9 +26,9 @@ def channel(fundamental, *, weights=None, span=1.0, clipped=0.0, bad=()):
 
 
 def on_cycles(harmonics, weights=None):
-    """The warnings about a record of one channel."""
+    """The findings on a record of one channel."""
     weights = harmonics.weights if weights is None else np.array(weights)
-    return list(checks.checked_cycles({"x": harmonics}, weights, OMEGA))
+    return list(checks.checked_cycles({"x": harmonics}, weights, OMEGA, TRANSLATION))
 
 
 # ±1 about the mean: its standard error is 1/√16, five of them 1.25
@@ -49,31 +50,34 @@ def test_a_channel_must_vary_and_oscillate():
 
 
 def test_fewest_cycles_and_rows():
-    assert "only 3 cycles" in on_cycles(channel(np.ones(3)))[0]
+    (few,) = on_cycles(channel(np.ones(3)))
+    assert (few.code, few.numbers["cycles"]) == ("few cycles", 3)
     for weights in ([1.0, 1.0, 0.0], [2.0, 2.0, 0.0]):
         with pytest.raises(ValueError, match="usable whole cycles of 5 Hz"):
             on_cycles(channel(np.ones(3)), weights)
     assert on_cycles(channel(np.ones(10))) == []
-    assert "only 9 cycles" in on_cycles(channel(np.ones(9)))[0]
+    assert [one.numbers["cycles"] for one in on_cycles(channel(np.ones(9)))] == [9]
 
 
 @pytest.mark.parametrize(
-    ("off", "error", "cycles", "said"),
+    ("off", "error", "cycles", "differs"),
     [
-        (19e-6, 0.0, 100, ""),  # two sound clocks
-        (21e-6, 0.0, 100, "at 5.000105 ± 0 Hz, not at the 5 Hz given (+21 ppm)"),
-        (-50e-6, 8e-6, 1000, "(−50 ppm)"),
-        (50e-6, 11e-6, 1000, ""),  # not resolved
+        (19e-6, 0.0, 100, False),  # two sound clocks
+        (21e-6, 0.0, 100, True),
+        (-50e-6, 8e-6, 1000, True),
+        (50e-6, 11e-6, 1000, False),  # not resolved
         # nor where 10 degrees of freedom know the error badly: 11 standard errors are needed
-        (50e-6, 8e-6, 12, ""),
-        (50e-6, 4e-6, 12, "(+50 ppm)"),
-        (0.0055, 0.0, 3, "(+0.55 %)"),
+        (50e-6, 8e-6, 12, False),
+        (50e-6, 4e-6, 12, True),
+        (0.0055, 0.0, 3, True),
     ],
 )
-def test_a_frequency_that_differs_is_named(off, error, cycles, said):
-    words = list(checks.frequency(OMEGA * (1.0 + off), OMEGA * error, cycles, 5.0))
-    assert len(words) == bool(said)
-    assert said in "".join(words)
+def test_a_frequency_that_differs_is_named(off, error, cycles, differs):
+    found = list(checks.frequency(OMEGA * (1.0 + off), OMEGA * error, cycles, 5.0))
+    assert len(found) == differs
+    for one in found:
+        assert one.numbers["off"] == pytest.approx(off)
+        assert one.effect[""] == pytest.approx(abs(off))
 
 
 def test_another_frequency_is_refused():
@@ -88,17 +92,17 @@ def test_another_frequency_is_refused():
 
 
 def test_cycles_left_out_are_counted():
-    gap = (4, 0.8, Remark("a gap"))
-    one, two = (on_cycles(channel(np.ones(10), bad=(gap,) * count)) for count in (1, 2))
-    assert one == ["x: 1 cycle left out; first cycle 5 (at 0.8 s): a gap"]
-    assert "2 cycles left out" in two[0]
+    gap = (4, 0.8, Finding("gap"))
+    for count in (1, 2):
+        (one,) = on_cycles(channel(np.ones(10), bad=(gap,) * count))
+        numbers = {"quantity": "x", "count": count, "first": 5, "time": 0.8, "why": gap[2]}
+        assert one == Finding("spikes", numbers)
 
 
 @pytest.mark.parametrize(("part", "warned"), [(0.49, False), (0.5, True), (1.0, True)])
 def test_clipping_in_half_of_the_cycles(part, warned):
-    words = on_cycles(channel(np.ones(10), clipped=part))
-    assert len(words) == warned
-    assert not warned or f"in {100.0 * part:.0f} % of the cycles" in words[0]
+    found = on_cycles(channel(np.ones(10), clipped=part))
+    assert [(one.code, one.numbers["cycles"]) for one in found] == [("clipped", part)] * warned
 
 
 # --- consistency: nine cycles whose ratios scatter by ±d about their mean, so that its error is d/√16 ---------------
@@ -119,9 +123,11 @@ def pair_of_responses(gain, phase, d=SCATTERED):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_skew_and_gain_count_from_five_standard_errors_on(off, counts, sign):
     late, larger = pair_of_responses(1.0, sign * off), pair_of_responses(1.0 + sign * off, 0.0)
-    words = list(checks.consistency(late, EQUAL, OMEGA))
-    turns = "leads" if sign > 0.0 else "lags"
-    assert [f"v {turns} x by {1e6 * off / OMEGA:.1f}" in one for one in words] == [True] * counts
+    found = list(checks.consistency(late, EQUAL, OMEGA))
+    assert len(found) == counts
+    for one in found:
+        assert one.numbers["lags"] == (sign < 0.0)
+        assert one.numbers["by"] == pytest.approx(off / OMEGA)
     assert len(list(checks.consistency(larger, EQUAL, OMEGA))) == counts
     # harmonic n turns back n times as far
     for moved, factor in ((late, 1.0), (larger, 1.0 if counts else 1.0 + sign * off)):
@@ -164,7 +170,8 @@ def test_steady_noise_rarely_looks_like_a_change(which, monkeypatch):
         noise = 1e-3 * (rng.standard_normal(size) + 1j * rng.standard_normal(size))
         Y, X = np.ones(size) + 0j, np.full(size, 2j)
         Y, X = (Y + noise, X * (1.0 + noise)) if which == "the excitation" else (Y, X + noise)
-        alarms += any(words.startswith(which) for words in steadiness(Y, X))
+        drive = which == "the excitation"
+        alarms += any(one.numbers["drive"] == drive for one in steadiness(Y, X))
     # 1000 draws: one standard deviation is 1 % at 10 %
     assert 0.02 < alarms / runs < 0.12
 
@@ -173,15 +180,16 @@ def test_a_change_of_three_rows_cannot_be_told_and_of_four_it_can():
     Y = np.ones(4) + 0j
     X = np.array([1.0, 1.0, 1.05, 1.05]) + 0j
     assert steadiness(Y[1:], X[1:]) == []
-    words = steadiness(Y, X)
-    assert len(words) == 1
-    assert words[0].startswith("the response is not steady: its amplitude changes by 4.9 %")
+    (one,) = steadiness(Y, X)
+    assert not one.numbers["drive"]
+    assert one.numbers["change"] == pytest.approx(0.049, abs=5e-4)
 
 
 def test_a_change_of_a_tenth_is_refused():
     Y = np.ones(40) + 0j
     line = np.linspace(-0.5, 0.5, 40)
-    assert "changes by 9.5 %" in steadiness(Y, 1.0 + 0.095 * line + 0j)[0]
+    (one,) = steadiness(Y, 1.0 + 0.095 * line + 0j)
+    assert one.numbers["change"] == pytest.approx(0.095)
     with pytest.raises(ValueError, match="record again after the motion has settled"):
         steadiness(Y, 1.0 + 0.105 * line + 0j)
 
@@ -189,9 +197,9 @@ def test_a_change_of_a_tenth_is_refused():
 def test_a_response_that_follows_a_drive_which_hunts_is_averaged():
     """Near resonance it changes by more than a tenth, and is no transient."""
     hunts = 0.03 * np.sin(np.linspace(0.0, 5.0, 40))
-    words = steadiness(1.0 + hunts + 0j, 1.0 + 4.0 * hunts + 0j)
-    assert [word.split(" is ")[0] for word in words] == ["the excitation", "the response"]
-    assert words[1].doubts[""] > 0.05
+    found = steadiness(1.0 + hunts + 0j, 1.0 + 4.0 * hunts + 0j)
+    assert [one.numbers["drive"] for one in found] == [True, False]
+    assert found[1].effect[""] > 0.05
     with pytest.raises(ValueError, match="the response is not steady"):
         steadiness(np.ones(40) + 0j, 1.0 + 4.0 * hunts + 0j)
 
@@ -199,9 +207,9 @@ def test_a_response_that_follows_a_drive_which_hunts_is_averaged():
 def test_only_the_amplitude_of_the_excitation_may_not_change():
     turning = np.exp(1j * np.linspace(0.0, 3.0, 40))  # the drive is not quite at the ω assumed
     assert steadiness(turning, 2.0 * turning) == []
-    words = steadiness(np.ones(40) + 0j, np.exp(1e-2j * np.linspace(0.0, 1.0, 40)))
-    assert "its amplitude changes by" in words[0]
-    assert "its phasor by up to 0.50 %" in words[0]
+    (one,) = steadiness(np.ones(40) + 0j, np.exp(1e-2j * np.linspace(0.0, 1.0, 40)))
+    assert one.numbers["phase"]
+    assert one.numbers["turn"] == pytest.approx(0.005, abs=5e-5)
 
 
 @pytest.mark.parametrize("cycles_per_row", [1, 4])
@@ -209,10 +217,10 @@ def test_it_says_when_the_motion_has_settled(cycles_per_row):
     rng = np.random.default_rng(3)
     X = 1.0 + 1e-6 * (rng.standard_normal(80) + 1j * rng.standard_normal(80))
     X[:5] += 0.01
-    words = steadiness(np.ones(80) + 0j, X, cycles_per_row)
-    assert f"it settles after about {5 * cycles_per_row} cycles" in words[0]
+    (one,) = steadiness(np.ones(80) + 0j, X, cycles_per_row)
+    assert one.numbers["after"] == one.numbers["skip"] == 5 * cycles_per_row
     late = 1.0 + 0.01 * np.linspace(0.0, 1.0, 80) + 0j  # it never does
-    assert "settles" not in steadiness(np.ones(80) + 0j, late)[0]
+    assert steadiness(np.ones(80) + 0j, late)[0].numbers["skip"] == 0
 
 
 # --- what amplitudes and harmonics say -----------------------------------------------------------------------------
@@ -234,24 +242,40 @@ def test_it_says_when_the_motion_has_settled(cycles_per_row):
     ],
 )
 def test_sizes_that_no_bench_has(Y, X, omega, count):
-    words = list(checks.plausible(Y, X, omega, "base_displacement"))
-    assert len(words) == count
-    assert all("is a unit wrong" in one for one in words)
+    found = list(checks.plausible(Y, X, omega, "base_displacement"))
+    assert len(found) == count
     # a force over the stiffness is no motion
-    of_mass = [one for one in words if one.startswith("the mass")]
+    of_mass = [one for one in found if not one.numbers["base"]]
     assert list(checks.plausible(Y, X, omega, "force")) == of_mass
+
+
+@pytest.mark.parametrize(
+    ("gain", "confused"),
+    [
+        (1.0, None),
+        (299.0, None),
+        (1.0 / 299.0, None),
+        (301.0, "cm taken for m"),
+        (1000.0, "mm taken for m"),
+        (2e-4, "mm taken for m"),
+    ],
+)
+def test_a_unit_is_asked_for_by_the_sizes_of_two_channels_alone(gain, confused):
+    for coordinate in (TRANSLATION, ROTATION):
+        found = list(checks.ratio(0.01, 0.01 * gain, "force", coordinate))
+        assert [one.numbers["confused"] for one in found] == [confused] * bool(confused)
+        assert all(one.numbers["angle"] == (coordinate is ROTATION) for one in found)
 
 
 def test_distortion_is_that_of_the_harmonics_that_count():
     error = np.array([1e-3, 1e-3, 2e-3, 1e-3, 1e-3])
     mean = np.array([5.0, 2.0, 0.008j, 0.06, 0.08], dtype=np.complex128)
-    words = list(checks.harmonic_drive(mean, error, "base_displacement"))
     # 3 % and 4 %: 5 % together; the second harmonic is four errors
-    assert len(words) == 1
-    assert "5 % distortion, most of it harmonic 4 (4 %)" in words[0]
-    assert words[0].startswith("the base motion is not harmonic")
-    (of_force,) = checks.harmonic_drive(mean, error, "force")
-    assert of_force.startswith("the force is not harmonic")
+    for drive in ("base_displacement", "force"):
+        (one,) = checks.harmonic_drive(mean, error, drive)
+        assert one.numbers["distortion"] == pytest.approx(0.05)
+        assert (one.numbers["order"], one.numbers["share"]) == (4, pytest.approx(0.04))
+        assert one.numbers["by_force"] == (drive == "force")
     assert list(checks.harmonic_drive(mean[:3], error[:3], "force")) == []
     # six errors, but 0.04 % does not matter
     assert list(checks.harmonic_drive(mean[:3] * [1, 10, 1], error[:3] / 1.5, "force")) == []
@@ -260,14 +284,15 @@ def test_distortion_is_that_of_the_harmonics_that_count():
 def test_even_harmonics_are_asymmetry_and_odd_ones_are_not():
     error = np.full(6, 1e-3)
     mean = np.array([5.0, 2.0, 0.01, 0.5, -0.04, 0.3], dtype=np.complex128)
-    assert "harmonic 4 is 2 % of the" in next(checks.symmetry(mean, error, mean, error))
+    one = next(checks.symmetry(mean, error, mean, error))
+    assert (one.numbers["order"], one.numbers["share"]) == (4, pytest.approx(0.02))
     assert list(checks.symmetry(mean * [1, 1, 0, 1, 0, 1], error, mean, error)) == []
     # those of the base itself act in second order
     (of_rig,), (of_drive,) = (
         list(checks.symmetry(mean, error, base, error))
         for base in (mean * [1, 1, 0, 1, 0, 1], mean)
     )
-    assert of_drive.doubts[""] == pytest.approx(of_rig.doubts[""] ** 2)
+    assert of_drive.effect[""] == pytest.approx(of_rig.effect[""] ** 2)
 
 
 def test_the_base_puts_work_in_where_the_response_lags():

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from dampbalance import BaseMotion, steady_orbit
+from dampbalance.findings.finding import Finding
 from dampbalance.signals.cycles import _held, cycle_harmonics, drive_frequency
 from paper_case import OMEGA, PAPER
 
@@ -89,10 +90,10 @@ def test_a_spike_is_named_by_its_value_its_time_and_what_is_expected(noise, cycl
     found = _faulty(spoil, noise)
     ((number, time, reason),) = found.bad_cycles
     assert (number, time) == (cycle, pytest.approx(cycle))
-    assert reason.startswith("a spike: 3.25 where ")
+    assert (reason.code, reason.numbers["value"]) == ("spike", 3.25)
     # the harmonics bend towards the spike: by 11 unknowns of 200 samples
     expected = math.cos(2.0 * math.pi * 33 / CYCLE)
-    assert float(reason.split()[4]) == pytest.approx(expected, abs=0.2)
+    assert reason.numbers["expected"] == pytest.approx(expected, abs=0.2)
     assert found.weights.tolist() == [float(j != cycle) for j in range(12)]
 
 
@@ -113,7 +114,7 @@ def test_samples_that_stand_still_are_counted(noise, length, at):
 
     ((number, _, reason),) = _faulty(spoil, noise).bad_cycles
     assert number == 4
-    assert reason.startswith(f"a drop-out: {length} samples hold the value ")
+    assert (reason.code, reason.numbers["samples"]) == ("drop-out", length)
 
 
 def _converted(clean, bits, part, noise):
@@ -150,9 +151,8 @@ def test_a_drop_out_jumps_by_more_than_noise_and_than_the_signal_does_nearby(
     spoiled = cycle.copy()
     spoiled[start : start + samples] = cycle[start]
     found = _held(spoiled, np.tile(cycle, (8, 1)), rms)
-    assert found == (
-        "" if value is None else f"a drop-out: {samples} samples hold the value {value}"
-    )
+    held = Finding("drop-out", {"samples": samples, "value": value})
+    assert found == (None if value is None else held)
 
 
 @pytest.mark.parametrize(
@@ -177,7 +177,7 @@ def test_steps_of_a_converter_are_no_drop_outs_and_hide_none(quantity, per_cycle
         made[first : first + length] = made[first]
         faults = rows_of(t, made, *more).bad_cycles
         assert {number for number, _, _ in faults} <= {5, 6}, (bits, part, noise)
-        assert any(reason.startswith("a drop-out") for _, _, reason in faults), (bits, part, noise)
+        assert any(reason.code == "drop-out" for _, _, reason in faults), (bits, part, noise)
     assert kept == 24 * 12
 
 

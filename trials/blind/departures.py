@@ -9,7 +9,6 @@ may be off by as much because the contact may yield gradually.
 from __future__ import annotations
 
 import math
-import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -19,8 +18,10 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 
+from dampbalance.findings.finding import within
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.forced import identify_readings
+from dampbalance.identification.screen import limiting
 from dampbalance.project.wording import markdown_table
 from dampbalance.signals.mean_harmonics import read_features
 
@@ -37,7 +38,6 @@ _DAMPED = 0.05  # of the critical damping: of less, a steady motion takes long t
 _CYCLES, _SAMPLES = 100.0, 149.63  # most cycles of a record, and samples of a cycle: more cost time
 _SET = 5  # so that the noise is not drawn from the generator that drew the set
 _POINTS = 8192  # of a cycle
-_OF_GRADUAL = "yields gradually"  # what a sentence on such a contact says
 
 Motion = Callable[[Truth, int], CubicSpline]
 """(x, x′, x″) of the steady period of a level as a periodic function of ωt, SI."""
@@ -172,10 +172,11 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
         return [row | {"refused": str(error)}]
     row["seconds"] = time.process_time() - began
     answer = result.answer
-    row["words"] = " | ".join(result.warnings)
-    row["gradual"] = any(_OF_GRADUAL in words for words in result.warnings)
-    room = re.search(r"yields gradually.* up to (\d+) % stiffer", " ".join(result.rig))
-    row["room"] = 0.01 * int(room[1]) if room else math.nan
+    row["words"] = " | ".join(limiting(result))
+    inner = [one for of in result.findings for one in within(of.numbers.values())]
+    row["gradual"] = any(one.code == "gradual" for one in inner)
+    room = [one.numbers["by"] for one in result.rig if one.code == "contact taken as sudden"]
+    row["room"] = room[0] if room else math.nan
     for symbol in SYMBOLS:
         p, true = answer.parameters[symbol], truth.parameter(symbol)
         sizes = abs(p.value - true) / p.standard_error if p.standard_error > 0.0 else math.nan

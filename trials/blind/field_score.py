@@ -23,6 +23,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from dampbalance import identify
 from dampbalance.identification.answer import USABLE
+from dampbalance.identification.screen import limiting
 from dampbalance.project.wording import markdown_table
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
@@ -147,7 +148,7 @@ def outcome(run: tuple[bool, int, int]) -> list[dict[str, object]]:
         verdict, reason, *_ = verdicts[symbol]
         row |= {f"{symbol}_off": result.values[symbol] / true - 1.0, f"{symbol}_low": low}
         row |= {f"{symbol}_high": high, f"{symbol}_verdict": verdict, f"{symbol}_reason": reason}
-    return [row | {"words": " | ".join(result.warnings), "mass": result.mass}]
+    return [row | {"words": " | ".join(limiting(result)), "mass": result.mass}]
 
 
 def table(rows: pd.DataFrame) -> str:

@@ -7,15 +7,16 @@ then holds a picture (NAME.svg) and what was said (NAME.txt).
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
-from dampbalance.identification.symptoms import SYMPTOMS, symptoms_in
 from scipy.signal import lfilter
 
 from dampbalance import BaseMotion, Oscillator, identify, sliders_orbit, steady_orbit, transient
@@ -30,8 +31,8 @@ from dampbalance.figures.style import (
     save_svg,
     styled,
 )
-from dampbalance.identification.identified import Identified
-from dampbalance.identification.screen import in_one
+from dampbalance.identification.result import Result
+from dampbalance.identification.screen import in_one, limiting
 from dampbalance.motion.distorted import distorted_harmonics
 from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.motion.sliders import spread_contact
@@ -205,7 +206,7 @@ def records(fault: Fault) -> list[Record]:
     return measured
 
 
-def identified(fault: Fault) -> Identified:
+def identified(fault: Fault) -> Result[Any]:
     """Return what is identified; ValueError where the records are refused."""
     return identify(records(fault), stiffness=TRUTH.k, **{"mass": TRUTH.m, **(fault.stated or {})})
 
@@ -260,14 +261,19 @@ def draw(name: str, path: Path) -> None:
     save_svg(figure, path, f"The response with and without the fault ({fault.size}), and its loop.")
 
 
-def sentences(name: str) -> tuple[list[str], Identified | None]:
+def sentences(name: str) -> tuple[list[str], Result[Any] | None]:
     """Return what is said of the records of a symptom that names it, and what is identified; None where they are
     refused."""
+    page = name.replace("_", "-")
     try:
         result = identified(FAULTS[name])
     except ValueError as error:
-        return [one for one in [str(error)] if name in symptoms_in([one])], None
-    return [one for one in [*result.limiting, *result.rig] if name in symptoms_in([one])], result
+        finding = getattr(error.__cause__, "finding", None)
+        return [str(error)] if finding and page in finding.pages else [], None
+    groups = [*result.limits, *([one] for one in result.rig)]
+    said = [*limiting(result), *result.in_sentences(result.rig)]
+    named = [any(page in one.pages for one in group) for group in groups]
+    return [*itertools.compress(said, named)], result
 
 
 def said(name: str) -> str:
@@ -286,11 +292,11 @@ def said(name: str) -> str:
             f"{s} {signed(100.0 * by, 1)} %" if math.isfinite(by) else f"{s} none" for s, by in off
         ]
         lines.append(f"{label}, off the truth by: {', '.join(parts)}")
-    lines.append(f"Verdict: {in_one(result.answer.verdicts)}.")
+    lines.append(f"Verdict: {in_one(result.answer.verdicts, result.coordinate)}.")
     return "\n".join(lines) + "\n"
 
 
 if __name__ == "__main__":
-    for symptom in sys.argv[1:] or SYMPTOMS:
+    for symptom in sys.argv[1:] or FAULTS:
         draw(symptom, Path(f"{symptom}.svg"))
         Path(f"{symptom}.txt").write_text(said(symptom), encoding="utf-8")

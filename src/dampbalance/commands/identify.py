@@ -100,26 +100,19 @@ def run(options: argparse.Namespace) -> bool:
 
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
-    from ..measured import recognised_as_table
     from ..records.mapping import find_mapping, read_mapping  # slow to import
     from ..records.readers import mapping_to_start_from, quantities_of
 
     file: Path = options.write_mapping
     if file.suffix != ".yaml":
         raise ValueError(f"--write-mapping {file}: the name of a mapping must end in .yaml")
-    mapping_given = getattr(options, "mapping", None)
-    tables = options.kind == "recognised" and recognised_as_table(options.records[0], mapping_given)
-    if tables or options.kind == "stepped-sine":
-        raise ValueError(
-            f"{options.records[0]} is a table of a stepped sine, and --write-mapping drafts mappings of signals only: "
-            "write the mapping by hand, with the columns under `table`"
-        )
+    stepped = None if options.kind == "recognised" else options.kind == "stepped-sine"
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
-    text = mapping_to_start_from(options.records[0], mapping_given)
+    text = mapping_to_start_from(options.records[0], getattr(options, "mapping", None), stepped)
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
         mapping = replace(read_mapping(unfinished), source=str(file))
-        for record in options.records:
+        for record in options.records if mapping.channels else ():
             quantities_of(record, mapping)
     is_usual = all(find_mapping(record) == file for record in options.records)
     use = "without --write-mapping" if is_usual else f"with --mapping {file} instead"

@@ -1,6 +1,6 @@
 """A finding: what was seen, with its numbers and what they may do to an answer, and no words.
 
-The words are in `sentences.SENTENCES`, by code; `words.sentence` puts the numbers into them, in the units and nouns of
+The words are in `sentences.toml`, by code; `words.sentence` puts the numbers into them, in the units and nouns of
 a coordinate. To add a finding is a line in that table.
 """
 
@@ -74,9 +74,11 @@ class Finding:
 
 
 def _words_in(value: Any) -> Any:
-    """Return what two values must share for a range of both."""
+    """Return what two values must share for a range of both: all but plain numbers, and pairs of these."""
     if isinstance(value, Finding):
         return value.kind
+    if isinstance(value, tuple):
+        return ... if all(_words_in(one) is ... for one in value) else repr(value)
     return ... if isinstance(value, float | int) and not isinstance(value, bool) else value
 
 

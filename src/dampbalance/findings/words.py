@@ -4,7 +4,7 @@ A template has fields in braces. `{X:.3g mm}` is the number X in this form and u
 the like are the forms of `_FORMS`; `{size:± µs}` is a value with its standard error, `{mass:4 kg}` a number with four
 significant digits. A field that names no number is a word of the coordinate: `{displacement}` is an
 angle of records that rotate, `{F_k}` a T_k, `{N/m}` a N m/rad. `[name?text|other]` is the text where the number of that
-name is there and not zero, and the other text where it is not.
+name is there and not zero, and the other text where it is not; `{@code}` are the words of another entry.
 """
 
 from __future__ import annotations
@@ -37,6 +37,7 @@ from .sentences import SENTENCES
 _MOST_NAMES = 6  # of records in a sentence
 
 _FIELD = re.compile(r"\{([^{}:]+)(?::([^{}]*))?\}")
+_PART = re.compile(r"\{@([^{}]+)\}")
 _CHOICE = re.compile(r"\[(\w+)\?([^\[\]|]*)(?:\|([^\[\]]*))?\]")
 _PER_SI = {
     **{"mm": 1e3, "µs": 1e6, "ppm": 1e6, "%": 100.0, "N/mm³": 1e-9, "µm/N": 1e6},
@@ -100,6 +101,7 @@ def _filled(template: str, findings: Sequence[Finding], vocabulary: Vocabulary) 
         ends = " to ".join(dict.fromkeys(texts))
         return with_unit(ends, vocabulary.unit(unit)) if unit else ends
 
+    template = _PART.sub(lambda match: SENTENCES[match[1]].words, template)
     while _CHOICE.search(template):  # choices within choices from the inside
         template = _CHOICE.sub(chosen, template)
     return _FIELD.sub(field, template)
@@ -207,6 +209,17 @@ def _remedies(value: Any, vocabulary: Vocabulary) -> str:
     return listed([_filled(SENTENCES[one.code].remedy, [one], vocabulary) for one in value])
 
 
+def _law(terms: Sequence[str], vocabulary: Vocabulary) -> str:
+    """Return a law by what its terms are: "friction force and viscous damping (F_k, c)"."""
+    symbols = ", ".join(map(vocabulary.symbol, terms))
+    return f"{listed([phrase(term(symbol).words, vocabulary) for symbol in terms])} ({symbols})"
+
+
+def phrase(words: str, vocabulary: Vocabulary) -> str:
+    """Return words with their nouns in the coordinate: friction torque for friction force."""
+    return " ".join(map(vocabulary.noun, words.split(" ")))
+
+
 _FORMS: Mapping[str, Callable[[Any, Vocabulary], str]] = {
     "percent": lambda value, _: part(value),
     "factor": lambda value, _: factor(value),
@@ -217,6 +230,8 @@ _FORMS: Mapping[str, Callable[[Any, Vocabulary], str]] = {
     "noun": lambda value, of: of.noun(value),
     "or": lambda value, _: " or ".join(value),
     "symbols": _symbols,
+    "law": _law,
+    "laws": lambda values, of: " or ".join(_law(terms, of) for terms in values),
     "remedies": _remedies,
     "changes": _changes,
     "up to": lambda values, of: _changes(values, of, "by up to"),

@@ -18,10 +18,9 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding, grouped
-from ..findings.words import Vocabulary, sentence, unit_of
+from ..findings.words import Vocabulary, sentence
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.terms import FRICTION, term
-from ..model import named_with_unit
 from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
@@ -309,11 +308,6 @@ def covariance_of(
     return matrix
 
 
-def column(symbol: str, what: str = "") -> str:
-    """Return F_k_standard_error_N: what a number says of a parameter, and its unit."""
-    return named_with_unit(f"{symbol}{what}", unit_of(symbol))
-
-
 def _judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...]) -> Verdict:
     """Return the verdict on a number by itself; notes say why there is none. The only place that decides it."""
     if math.isnan(parameter.value):
@@ -365,35 +359,3 @@ def _shifted(
         )
     wider = p.wider(total * abs(p.value) / NORMAL_95) if bounded else p
     return replace(wider, doubts=doubts, bounded=bounded and p.bounded)
-
-
-def entries(answer: Answer, vocabulary: Vocabulary) -> dict[str, Any]:
-    """Return an answer by the keys of the document."""
-    document = columns_of(answer)
-    if answer.balance is not None:
-        sizes = np.sqrt(np.diag(answer.covariance))
-        with np.errstate(invalid="ignore"):  # exact rows have no errors
-            correlations = answer.covariance / np.outer(sizes, sizes)
-        document |= {
-            f"correlation_of_{one}_and_{other}": correlations[i, j]
-            for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
-        }
-    document["verdicts"] = {
-        symbol: v.worded(vocabulary).document() for symbol, v in answer.verdicts.items()
-    }
-    document |= answer.merit
-    if answer.balance is not None:
-        document["rows"] = {**answer.rows, **answer.balance.labels}
-    return document | {"notes": [sentence(note, vocabulary) for note in answer.notes]}
-
-
-def columns_of(answer: Answer, *, table: bool = False) -> dict[str, Any]:
-    """Return the numbers of an answer in columns named with their units; in a table each end of an interval has a
-    column."""
-    columns: dict[str, Any] = {}
-    for symbol, p in answer.parameters.items():
-        numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
-        ends = {"_low": p.interval.low, "_high": p.interval.high}
-        numbers |= ends if table else {"_interval": p.interval}
-        columns |= {column(symbol, what): n for what, n in numbers.items()}
-    return columns

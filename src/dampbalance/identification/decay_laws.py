@@ -49,12 +49,7 @@ _OTHERS = {
     CORNER: "an AC coupling of the channel",
     GRADUAL: "a contact that yields gradually",
 }
-_LEFT_OUT = (
-    "free decays have one frequency and a base at rest: structural damping eta and damping relative to the base c_r "
-    "act like viscous damping c, friction that differs by direction like another position of rest; none is tried"
-)
 _SURE = 900.0  # of χ²: laws that leave out so much need no fit
-_REMEDY = "give decays from higher up, or with less noise"
 
 
 def with_departures(fit: RingFit) -> tuple[RingFit, list[Finding]]:
@@ -115,7 +110,7 @@ def _along(fit: RingFit, symbol: str, effect: Mapping[str, float]) -> Finding:
         return Finding("falls along", of, effect)
     if symbol == CORNER:
         return Finding("corner along", {"size": size}, effect)
-    return Finding("spring along", {"value": (symbol, *size)}, effect)
+    return Finding("included", {"what": _OTHERS[symbol], "value": (symbol, *size)}, effect)
 
 
 def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
@@ -268,7 +263,7 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     damping = [s for s in DECAY_TERMS if s != FRICTION]
     while True:  # until no law is closer to the decays than that of all terms, which contains it
         before = every
-        laws = compared(damping, test, _LEFT_OUT, remedy=_REMEDY)
+        laws = compared(damping, test, (Finding("damping alike in decays"),))
         if every is before:
             return laws
 

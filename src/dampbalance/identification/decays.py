@@ -61,9 +61,9 @@ from .decay_laws import (
 )
 from .diagnosis import on_mass
 from .half_cycles import A, B, RingRows, W, rows_of
-from .identified import Identified, Picture
 from .level import Level
 from .request import read_request, with_stiffness_by_mass
+from .result import Picture, Result
 from .screen import implied
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
@@ -80,9 +80,9 @@ _SWINGS = 6  # of a decay whose equivalent damping is listed
 _FEWEST, _LOOSE = 2, 1e-2
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class DecayOutcome(Identified):
-    """The answers to records of free decays, and all that they come from.
+@dataclass(frozen=True, eq=False, repr=False)
+class DecayBasis:
+    """What the answers to records of free decays rest on.
 
     fit : of one oscillator to all samples; the balance has its stick.   half_cycles : rows of the balance.
     departures : what each further coefficient would explain.
@@ -90,12 +90,13 @@ class DecayOutcome(Identified):
 
     fit: RingFit
     half_cycles: RingRows
-    departures: Sequence[Departure] = ()
+    departures: Sequence[Departure]
 
-    kind: ClassVar[Mapping[str, str]] = {"kind": "ring-down"}
+    kind: ClassVar[str] = "ring-down"
+    mass_tests: ClassVar[bool] = True
 
-    def findings(self) -> dict[str, Any]:
-        """Return list what each further coefficient would explain, the standard deviation of the friction forces, 0
+    def document(self, found: Result[Any]) -> dict[str, Any]:
+        """Return what each further coefficient would explain, the standard deviation of the friction forces, 0
         where all decays share one, and the decays of each record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
@@ -103,7 +104,7 @@ class DecayOutcome(Identified):
             "F_k_scatter_N": self.fit.friction.scatter,
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
-                for name in self.sources
+                for name in found.sources
             ],
         }
 
@@ -126,11 +127,9 @@ class DecayOutcome(Identified):
             "turns_standard_error_m": errors,
         }
 
-    @property
-    def levels(self) -> list[Level]:
-        """Cycles of each decay, spread over it, and what each loses."""
-        rows, levels = self.half_cycles, []
-        mean = next(iter(self.approaches.values())).values["F_k"]
+    def levels(self, found: Result[Any]) -> list[Level]:
+        """Return cycles of each decay, spread over it, and what each loses."""
+        rows, levels, mean = self.half_cycles, [], found.values["F_k"]
         for i, (turns, _) in enumerate(rows.turns):
             of = rows.columns[rows.decay == i]
             own = self.fit.point_of(i)[0] - self.fit.F_k  # zero where all decays share one
@@ -142,7 +141,9 @@ class DecayOutcome(Identified):
                 levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * (mean + own) * of[n, A]))
         return levels
 
-    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+    def shifts(
+        self, found: Result[Any], faults: Mapping[str, Fault], name: str
+    ) -> dict[str, dict[str, float]]:
         """Return what faults of all records do to either answer: m, c, k, K_z and F_k times a number are an oscillator
         of the same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does
         nothing."""
@@ -162,15 +163,16 @@ class DecayOutcome(Identified):
             changes[fault]["F_k"] += of.response
         return changes
 
-    @property
-    def pictures(self) -> dict[str, Picture]:
-        """decays : each with the motion fitted to it.   balance : its rows, if any, and their residuals."""
+    def pictures(self, found: Result[Any]) -> dict[str, Picture]:
+        """Return each decay with the motion fitted to it, and the rows of the balance, if there are any."""
+        from . import pictures as drawn  # slow to import
+
         count = len(self.fit.decays)
         words = f"{count} free decays with the motion fitted to them, their turns and the residual"
         of_rows = "energy that the law takes of each two half cycles against what is lost, and the residuals"
-        pictures = {"decays": Picture(words, (self.fit, self.half_cycles.turns))}
+        pictures = {"decays": Picture(words, drawn.decays, (self.fit, self.half_cycles.turns))}
         if len(self.half_cycles.columns):
-            pictures["balance"] = Picture(of_rows, (self.approaches, False))
+            pictures["balance"] = Picture(of_rows, drawn.balance, (found.approaches, False))
         return pictures
 
 
@@ -185,7 +187,7 @@ def identify_decays(
     *,
     mapping: MappingLike = None,
     **options: Unpack[DecayOptions],
-) -> DecayOutcome:
+) -> Result[DecayBasis]:
     """Identify F_k, c and K_z from records of free decays, one or several after releases or blows; one is enough.
 
     Each two neighbouring half cycles give a row a F_k + b c = W of the energy balance. The answer is the
@@ -209,7 +211,7 @@ def identify_decays(
     return _of_records(*read_request("ring-down", records, mapping, given))
 
 
-def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> DecayOutcome:
+def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Result[DecayBasis]:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, mass = options["stiffness_N_per_m"], options["mass_kg"]
     if k is None:
@@ -224,9 +226,9 @@ def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Deca
         laws=options["laws"],
     )
     odd = [words.about(record.name) for record in records for words in record.warnings]
-    warnings = (*odd, *outcome.warnings)
+    odd += outcome.odd
     return with_stated_uncertainties(
-        replace(outcome, warnings=warnings, records=records, options=options)
+        replace(outcome, odd=tuple(odd), records=records, options=options)
     )
 
 
@@ -239,7 +241,7 @@ def identify_ring_downs(
     mass_error: float = 0.0,
     stiffness_error: float = 0.0,
     laws: bool = False,
-) -> DecayOutcome:
+) -> Result[DecayBasis]:
     """Return F_k, c and K_z from records of free decays, one or more.
 
     k : stiffness, N/m.
@@ -316,7 +318,7 @@ def identify_ring_downs(
 def _unclear(record: Record, k: float, why: str) -> str:
     """Return how a record without a decay is reported.   k : N/m.   why : empty where the motion is another one."""
     channel = visible(record.excitation.name) if record.driven else ""
-    drives = tuple(map(record.coordinate.noun, EXCITATIONS))
+    drives = ", ".join(map(record.coordinate.noun, EXCITATIONS))
     found = Finding("no decay found", {"channel": channel, "drives": drives, "k": k, "why": why})
     return f"{record.name}: {sentence(found, record.coordinate)}"
 
@@ -345,7 +347,7 @@ def _solved(
     sources: tuple[str, ...],
     rig: Sequence[Finding],
     warnings: Sequence[Finding],
-) -> DecayOutcome:
+) -> Result[DecayBasis]:
     """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     values, covariance, misfit, freedom, interval = _least_squares(rows)
     further = departures_of(fit)
@@ -416,19 +418,17 @@ def _solved(
         condition, effects = condition_of(fit, further)
         conditions += condition
         conditions += condition_on_contact(fit, further)
-    return DecayOutcome(
+    return Result(
+        basis=DecayBasis(fit, rows, further),
         k=fit.k,
         sources=sources,
         estimates={BALANCE: with_effects(answer, fit, effects)},
         reference=with_effects(reference, fit, effects),
-        warnings=(*warnings, *clipped_signals.values()),
+        odd=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
         rig=[*rig, *conditions],
         settings={"confidence": CONFIDENCE},
-        fit=fit,
-        half_cycles=rows,
-        departures=further,
     )
 
 

@@ -21,7 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 from scipy import special
@@ -32,6 +32,7 @@ from ..balance import Rows
 from ..features import FEATURE_COLUMNS, Features
 from ..findings.finding import UNBOUNDED, Finding
 from ..fit.oscillator_fit import OscillatorFit
+from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.options import ForcedOptions, Stated, with_options
@@ -56,7 +57,6 @@ from .answer import (
 from .balance_check import contradiction, notes_on
 from .causes import GRADUAL, condition_on_contact
 from .diagnosis import agreement, on_records
-from .identified import Identified, Picture
 from .law_comparison import compare_laws
 from .level import Level
 from .loading import load, require_different_levels, unclipped
@@ -74,6 +74,7 @@ from .oscillator import (
     with_common_fit,
 )
 from .request import read_request, with_stiffness_by_mass
+from .result import Picture, Result
 from .rigs import Masses, masses_of, of_a_mount, require_driven_by, require_possible
 from .screen import implied
 from .sensitivities import Fault, sensitivities, shifts_of_fit, shifts_of_fundamentals
@@ -85,9 +86,9 @@ if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class ForcedOutcome(Identified):
-    """The answers to records of steady responses, and all that they come from.
+@dataclass(frozen=True, eq=False, repr=False)
+class ForcedBasis:
+    """What the answers to records of steady responses rest on.
 
     law : whose coefficients are identified.
     readings : what was read off each record.
@@ -102,7 +103,10 @@ class ForcedOutcome(Identified):
     features: Features
     microstick: Microstick
 
-    def findings(self) -> dict[str, Any]:
+    kind: ClassVar[str] = "forced"
+    mass_tests: ClassVar[bool] = True
+
+    def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return the microstick line and the features of each record."""
         line = self.microstick
         return {
@@ -128,42 +132,14 @@ class ForcedOutcome(Identified):
                     "standard_errors": {
                         c: reading.standard_errors[n] for n, c in FEATURE_COLUMNS.items()
                     },
-                    "findings": [one.document() for one in reading.warnings],
                 }
                 for i, reading in enumerate(self.readings)
             ],
         }
 
-    def friction_loops(self, mass: float | None = None) -> dict[str, pd.DataFrame]:
-        """Return the friction force over the averaged cycle of each record, by its name."""
-        import pandas as pd  # slow to import
-
-        return {
-            name: pd.DataFrame(self.coordinate.document(of))
-            for name, of in zip(self.sources, self._loops(mass), strict=True)
-        }
-
-    def _loops(self, mass: float | None = None) -> list[dict[str, Array]]:
-        """Return the columns of `friction_loops` for each record."""
-        values, loops = {**self.answer.values, **self.law.given}, []
-        fit = None if self.joint.linear else self.joint.fit
-        for i, reading in enumerate(self.readings):
-            cycle, omega = reading.averaged_cycle(), reading.steady.omega
-            x, v, w, acceleration = (cycle[name] for name in ("x", "v", "w", "acceleration"))
-            f = self.k * (cycle["y"] - x)
-            m = f @ acceleration / (acceleration @ acceleration) if fit is None else fit.m
-            f = f - (m if mass is None else mass) * acceleration
-            for symbol in self.law.terms:
-                p, force = values.get(self.law.key(symbol, i), math.nan), term(symbol).force
-                if symbol != FRICTION and math.isfinite(p) and force is not None:
-                    f = f - p * force(v, w, self.k, omega)
-            loops.append({"phase_rad": cycle["phase"], "x_m": x, "v_m_per_s": v, "f_N": f})
-        return loops
-
-    @property
-    def levels(self) -> list[Level]:
-        """A cycle of each record that has an input work."""
-        of, values = self.features, {**self.law.given, **self.answer.values}
+    def levels(self, found: Result[Any]) -> list[Level]:
+        """Return a cycle of each record."""
+        of, values = self.features, {**self.law.given, **found.values}
         levels = []
         for i, reading in enumerate(self.readings):
             F_k = values.get(self.law.key(FRICTION, i), math.nan)
@@ -171,39 +147,90 @@ class ForcedOutcome(Identified):
             levels.append(Level(reading.steady.source, X, reading.steady.omega, W, F_k * a))
         return levels
 
-    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+    def shifts(
+        self, found: Result[Any], faults: Mapping[str, Fault], name: str
+    ) -> dict[str, dict[str, float]]:
         """Return what faults of all records do to an answer; of a fit only where it is that of the waveforms."""
         if name == FUNDAMENTALS and self.joint.fundamentals is not None:
             return shifts_of_fundamentals(self.readings, self.joint.fundamentals, faults)
-        if name in self.estimates:
-            rows_of = LawRows(self.law, self.k, self.joint.frictionless)
-            return sensitivities(self.readings, rows_of, self.estimates[name], faults)
+        if name in found.estimates:
+            rows_of = LawRows(self.law, found.k, self.joint.frictionless)
+            return sensitivities(self.readings, rows_of, found.estimates[name], faults)
         held = name == REFERENCE and self.joint.waveforms_hold
         fit = self.joint.fit if held else None
         return {} if fit is None else shifts_of_fit(self.readings, fit, faults)
 
-    @property
-    def pictures(self) -> dict[str, Picture]:
-        """cycles : each record folded onto one cycle.   friction : friction force against displacement.   balance : its
-        rows and what they leave."""
+    def pictures(self, found: Result[Any]) -> dict[str, Picture]:
+        """Return the records folded onto one cycle, the friction force against displacement, and the rows of the
+        balance."""
+        from . import pictures as drawn  # slow to import
+
         count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
-        fit = None if self.joint.linear else self.joint.fit
-        line = "on a line of slope F_k" if two else "on the line where the law takes the input work"
+        fit, noun = self.fit, found.coordinate.noun
+        slope = found.coordinate.symbol(FRICTION)
+        line = (
+            f"on a line of slope {slope}"
+            if two
+            else "on the line where the law takes the input work"
+        )
+        cycles = (
+            f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and its "
+            "residual"
+        )
+        friction = (
+            f"friction {noun('force')} against {noun('displacement')} of {count} records, with the loop of the fitted "
+            "oscillator"
+        )
+        balance = f"rows of the energy balance {line}, and the residual of each row"
         return {
-            "cycles": Picture(
-                f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and "
-                "its residual",
-                (self.records, self.readings, fit),
-            ),
-            "friction": Picture(
-                f"friction force against displacement of {count} records, with the loop of the fitted oscillator",
-                (self.records, self._loops(), fit),
-            ),
-            "balance": Picture(
-                f"rows of the energy balance {line}, and the residual of each row",
-                (self.approaches, two),
-            ),
+            "cycles": Picture(cycles, drawn.cycles, (found.records, self.readings, fit)),
+            "friction": Picture(friction, drawn.friction, (found.records, _loops(found), fit)),
+            "balance": Picture(balance, drawn.balance, (found.approaches, two)),
         }
+
+    @property
+    def fit(self) -> WaveformFit | None:
+        """The fit of the waveforms, where they show friction."""
+        return None if self.joint.linear else self.joint.fit
+
+
+def friction_loops(
+    found: Result[ForcedBasis], mass: float | None = None
+) -> dict[str, pd.DataFrame]:
+    """Return the friction force over the averaged cycle of each forced record, by its name.
+
+        f = k(y − x) − mẍ − Σ p_j h_j(ẋ, ẏ)
+
+    Use it to plot loops, and to fit a law of friction of your own to them. The p_j are the coefficients beyond
+    friction, as identified or given. Columns: phase_rad (0 at the peak of the base), x_m, v_m_per_s and f_N.
+    Displacements are deviations from their mean over the cycle: f holds a constant that no record determines.
+
+    found : of forced records.
+    mass : kg; default, that of the fit. Without a fit it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does
+    not yield: neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
+    """
+    import pandas as pd  # slow to import
+
+    pairs = zip(found.sources, _loops(found, mass), strict=True)
+    return {name: pd.DataFrame(of).rename(columns=found.coordinate.key) for name, of in pairs}
+
+
+def _loops(found: Result[ForcedBasis], mass: float | None = None) -> list[dict[str, Array]]:
+    """Return the columns of `friction_loops` for each record."""
+    law, fit, loops = found.basis.law, found.basis.fit, []
+    values = {**found.values, **law.given}
+    for i, reading in enumerate(found.basis.readings):
+        cycle, omega = reading.averaged_cycle(), reading.steady.omega
+        x, v, w, acceleration = (cycle[name] for name in ("x", "v", "w", "acceleration"))
+        f = found.k * (cycle["y"] - x)
+        m = f @ acceleration / (acceleration @ acceleration) if fit is None else fit.m
+        f = f - (m if mass is None else mass) * acceleration
+        for symbol in law.terms:
+            p, force = values.get(law.key(symbol, i), math.nan), term(symbol).force
+            if symbol != FRICTION and math.isfinite(p) and force is not None:
+                f = f - p * force(v, w, found.k, omega)
+        loops.append({"phase_rad": cycle["phase"], "x_m": x, "v_m_per_s": v, "f_N": f})
+    return loops
 
 
 @with_options(ForcedOptions)
@@ -213,7 +240,7 @@ def identify_forced(
     *,
     mapping: MappingLike = None,
     **options: Unpack[ForcedOptions],
-) -> ForcedOutcome:
+) -> Result[ForcedBasis]:
     """Identify the coefficients of a damping law and K_z from forced records, one for each level of excitation.
 
     Each steady response gives a row a F_k + b c = W of the energy balance (Eq. 6 of the paper), weighted by inverse
@@ -253,7 +280,9 @@ def identify_forced(
     return _of_records(read, law_of(of["terms"], of["given"], of["groups"]), of)
 
 
-def _of_records(records: tuple[Record, ...], law: Law, options: Mapping[str, Any]) -> ForcedOutcome:
+def _of_records(
+    records: tuple[Record, ...], law: Law, options: Mapping[str, Any]
+) -> Result[ForcedBasis]:
     """Return the answers to records that are read.   options : by the keys of a configuration."""
     k, masses = options["stiffness_N_per_m"], masses_of(records, options)
     if k is None:
@@ -277,11 +306,11 @@ def _of_records(records: tuple[Record, ...], law: Law, options: Mapping[str, Any
         stiffness_error=options["stiffness_standard_error_N_per_m"] or 0.0,
         law=law,
     )
-    held = mass if outcome.joint.mass_taken else None
+    held = mass if outcome.basis.joint.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    warnings = (*clipped, *outcome.warnings)
-    warnings += tuple(of_a_mount(outcome.joint, records, k, masses, law, of_drive))
-    outcome = replace(outcome, laws=laws, records=records, options=options, warnings=warnings)
+    mount = of_a_mount(outcome.basis.joint, records, k, masses, law, of_drive)
+    odd = (*clipped, *outcome.odd, *mount)
+    outcome = replace(outcome, laws=laws, records=records, options=options, odd=odd)
     return with_stated_uncertainties(outcome)
 
 
@@ -294,7 +323,7 @@ def identify_readings(
     mass: float | None = None,
     mass_error: float = 0.0,
     stiffness_error: float = 0.0,
-) -> ForcedOutcome:
+) -> Result[ForcedBasis]:
     """Return the coefficients of a damping law and K_z from the features of n measured responses, with intervals.
 
     Use `identify_forced` for records; this function is for readings that are at hand, as in studies.
@@ -353,23 +382,19 @@ def identify_readings(
     of_all = agreement(readings, line, joint, direct)
     if fit is not None and joint.waveforms_hold and GRADUAL not in fit.problem.freed:
         rig += condition_on_contact(fit, fit.departures.values())
-    return ForcedOutcome(
+    return Result(
+        basis=ForcedBasis(law, tuple(readings), joint, samples.point.features, line),
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
         reference=reference,
-        warnings=(*of_records, *of_all),
+        odd=(*of_records, *of_all),
         head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals",
         rig=rig,
         settings={
             "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
             "confidence": CONFIDENCE,
         },
-        law=law,
-        readings=tuple(readings),
-        joint=joint,
-        features=samples.point.features,
-        microstick=line,
     )
 
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -26,17 +26,16 @@ from scipy import special
 
 from ..arrays import Array
 from ..balance import Rows
+from ..findings.finding import Finding
 from ..fit.goodness import probability
 from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
-from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
-from ..project.wording import listed, times
+from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import BUDGET
 from ..solver import solve
-from .answer import column
 from .oscillator import (
     JointFit,
     LawRows,
@@ -91,23 +90,6 @@ class LawTest:
         known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
         return 0.0 if None in tests else min([1.0, *(len(known) * p for p in known)])
 
-    def document(self) -> dict[str, Any]:
-        """Return the tests for JSON."""
-        return {
-            "terms": self.terms,
-            **{
-                column(key, what): number
-                for key, numbers in self.coefficients.items()
-                for what, number in zip(("", "_standard_error"), numbers, strict=True)
-            },
-            **{
-                name: (test := self.tests.get(name)) and asdict(test)
-                for name in ("balance", "waveforms")
-            },
-            "rejected": self.rejected,
-            "rejected_by_balance": self.rejected_by_balance,
-        }
-
 
 @dataclass(frozen=True, eq=False)
 class LawComparison:
@@ -118,18 +100,15 @@ class LawComparison:
     by_balance : whether the waveforms reject every law, so that the balance alone decides.
     alike : other laws as small that are not rejected.   by_stiffness : those that the balance does not reject, and that
     do not have the stiffness of the records, while the chosen one has.
-    left_out : terms that these records cannot distinguish from others, and why.
-    remedy : what tells laws that are alike apart.   caution : what the tests take for granted, and does not hold.
+    left_out : findings on terms that these records cannot distinguish from others.
     """
 
     tests: tuple[LawTest, ...]
     chosen: tuple[str, ...] | None
     by_balance: bool
     alike: tuple[tuple[str, ...], ...]
-    left_out: str
+    left_out: tuple[Finding, ...]
     by_stiffness: tuple[tuple[str, ...], ...] = ()
-    remedy: str = "add records at other amplitudes or another frequency"
-    caution: str = ""
 
     @property
     def by(self) -> str:
@@ -141,66 +120,31 @@ class LawComparison:
         """The tests that any law was given."""
         return max((tuple(test.tests) for test in self.tests), key=len)
 
-    def words(self) -> list[str]:
-        """Return what follows from the tests, in sentences."""
-        sentences = [words for words in (self.left_out, self.caution) if words]
+    @property
+    def findings(self) -> list[Finding]:
+        """What follows from the tests."""
+        decays = "balance" not in self.names
         if self.chosen is None:
-            return [*sentences, self._nothing_fits()]
-        law = words_of(self.chosen)
-        if self.by_balance:
-            sentences.append(
-                f"the records support {law}, by the balance alone: no oscillator with such a law and one friction "
-                "contact explains their waveforms; the contact may yield gradually, or a channel may be filtered"
-            )
-        else:
-            sentences.append(f"the records support {law}: the smallest law that they do not reject")
+            return [*self.left_out, self._nothing_fits(decays)]
+        law = {"law": self.chosen}
+        found = [*self.left_out, Finding("law by the balance" if self.by_balance else "law", law)]
         if self.alike:
-            others = " or ".join(words_of(terms) for terms in self.alike)
-            sentences.append(f"they do not distinguish it from {others}: {self.remedy}")
+            found.append(Finding("laws alike", {"laws": self.alike, "decays": decays}))
         if self.by_stiffness:
-            others = " or ".join(words_of(terms) for terms in self.by_stiffness)
-            sentences.append(
-                f"the loss alone does not distinguish it from {others}: the in-phase rows, the stiffness against the "
-                "amplitude, do"
-            )
-        return sentences
+            found.append(Finding("laws of the same loss", {"laws": self.by_stiffness}))
+        return found
 
-    def _nothing_fits(self) -> str:
-        if "balance" not in self.names:
+    def _nothing_fits(self, decays: bool) -> Finding:
+        if decays:
             best = max(self.tests, key=LawTest.p_of)
-            return (
-                f"no law of {MOST_TERMS} terms or fewer fits: the samples reject the closest, {words_of(best.terms)}, "
-                f"with p = {best.p_of():.2g}; {self.remedy}, or look for another cause"
-            )
+            of = {"law": best.terms, "p": best.p_of(), "most": MOST_TERMS}
+            return Finding("no law of decays", of)
         tested = [(test.p, e.terms, test) for e in self.tests if (test := e.balance) is not None]
         if not tested:
-            return "no law can be tested: there are no more records than coefficients; add records at other amplitudes"
+            return Finding("no law tested")
         _, terms, test = max(tested, key=lambda one: one[0])
         size = math.sqrt(test.chi_square / test.degrees_of_freedom)
-        return (
-            f"no law of {MOST_TERMS} terms or fewer in addition to friction fits: the closest, {words_of(terms)}, "
-            f"has a residual {times(size)} the noise in the balance; the levels may differ in "
-            "more than their amplitude (a coefficient for each group of records may help), a gain may be wrong, or "
-            "another term is missing"
-        )
-
-    def document(self) -> dict[str, Any]:
-        """Return the comparison for JSON."""
-        return {
-            "chosen": self.chosen,
-            "by": self.by,
-            "not_told_apart": self.alike,
-            "told_apart_by_stiffness": self.by_stiffness,
-            "chance_to_reject_a_true_law": BUDGET,
-            "words": self.words(),
-            "tested": [test.document() for test in self.tests],
-        }
-
-
-def words_of(terms: Sequence[str]) -> str:
-    """Return a law by what its terms are: "friction force and viscous damping (F_k, c)"."""
-    words = listed([term(symbol).words for symbol in terms])
-    return f"{words} ({', '.join(terms)})"
+        return Finding("no law", {"law": terms, "times": size, "most": MOST_TERMS})
 
 
 _NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
@@ -215,10 +159,9 @@ _ALIKE = 1.001  # of frequencies: closer ones count as one
 def compared(
     terms: Sequence[str],
     test: Callable[[tuple[Term, ...], Any], tuple[LawTest, Any] | None],
-    left_out: str,
+    left_out: tuple[Finding, ...],
     *,
     given: Collection[str] = (),
-    **more: Any,
 ) -> LawComparison:
     """Test every law of no, one or two terms in addition to friction, and of one or two without it, the smallest first.
 
@@ -227,7 +170,7 @@ def compared(
 
     terms : to choose from, besides friction.   test : of a law, with the best fit of the laws that it contains, or
     None: its tests and its fit, or None; None where the records cannot test it.   given : terms that all laws have.
-    left_out, more : fields of the comparison.
+    left_out : of the comparison.
     """
     laws = [
         in_order((*friction, *given, *some))
@@ -250,7 +193,7 @@ def compared(
                 tests.append(tested[0])
                 if tested[1] is not None:
                     fits[law] = tested[1]
-    return chosen_of(tests, left_out, **more)
+    return chosen_of(tests, left_out)
 
 
 @one_thread
@@ -271,12 +214,12 @@ def compare_laws(
     """
     asked, lines = law or Law(), tuple(reading.lines for reading in readings)
     frequencies = [reading.steady.frequency_hz for reading in readings]
-    left_out = ""
+    left_out: tuple[Finding, ...] = ()
     every = in_order((*KNOWN_TERMS, *asked.terms))
     terms: list[str] = [s for s in every if s not in (FRICTION, *asked.given)]
     if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= {*terms}:
         terms.remove("eta")
-        left_out = "at one frequency structural damping eta acts as viscous damping c does, and is not tried"
+        left_out = (Finding("eta like c"),)
     none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
 
     def test(kept: tuple[Term, ...], near: WaveformFit | None) -> tuple[LawTest, Any] | None:
@@ -304,11 +247,8 @@ def compare_laws(
     return compared(terms, test, left_out, given=asked.given)
 
 
-def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawComparison:
-    """Return what follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject.
-
-    more : other fields of the comparison.
-    """
+def chosen_of(tests: Sequence[LawTest], left_out: tuple[Finding, ...] = ()) -> LawComparison:
+    """Return what follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject."""
     both, alone = (_rejected([e.p_of(*names) for e in tests]) for names in ((), ["balance"]))
     tests = [
         replace(e, rejected=one, rejected_by_balance=other)
@@ -326,16 +266,16 @@ def chosen_of(tests: Sequence[LawTest], left_out: str, **more: Any) -> LawCompar
         smallest = [e for e in smallest if best is None or _as_stiff(e, best)]
     found = [e.terms for e in smallest]
     chosen, alike = (found[0], tuple(found[1:])) if found else (None, ())
-    by_stiffness = [
+    by_stiffness = tuple(
         e.terms
         for e in tests
         if e.balance is not None
         and not (e.rejected_by_balance or e in smallest)
         and len(e.terms) == len(chosen or ())
         and not _as_stiff(e, smallest[0])
-    ]
-    more["by_stiffness"] = tuple(by_stiffness)
-    return LawComparison(tuple(tests), chosen, by_balance and bool(kept), alike, left_out, **more)
+    )
+    by_balance = by_balance and bool(kept)
+    return LawComparison(tuple(tests), chosen, by_balance, alike, left_out, by_stiffness)
 
 
 def _as_stiff(test: LawTest, best: LawTest) -> bool:

@@ -88,7 +88,7 @@ def load(
     Raises ValueError naming the record for a free decay, and for one that cannot be used.
     """
     if not keeps_moving(record):
-        why = Finding("not forced", {"drives": tuple(map(record.coordinate.noun, EXCITATIONS))})
+        why = Finding("not forced", {"drives": ", ".join(map(record.coordinate.noun, EXCITATIONS))})
         raise ValueError(f"{record.name}: {sentence(why, record.coordinate)}")
     nominal = record.rules.frequency_hz if frequency_hz is None else frequency_hz
 

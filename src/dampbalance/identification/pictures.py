@@ -32,12 +32,11 @@ from ..fit.decay import COMMON, RingFit
 from ..fit.waveforms import WaveformFit
 from ..project.wording import cut
 from ..records.channel import ORDERS
+from ..records.coordinate import Coordinate
 from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from .answer import Answer
 from .loading import excerpt
-
-DPI = 200  # pictures to look at: in print they are SVG
 
 _POINTS = 6000  # samples drawn at most
 _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
@@ -61,7 +60,10 @@ _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
 @styled()
 def cycles(
-    records: Sequence[Record], readings: Sequence[Reading], fit: WaveformFit | None = None
+    records: Sequence[Record],
+    readings: Sequence[Reading],
+    fit: WaveformFit | None,
+    of: Coordinate,
 ) -> Figure:
     """Return each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
     oscillator (dashes); below, what the fit leaves of the samples, over the standard deviation of the noise. Without a
@@ -76,8 +78,9 @@ def cycles(
         steady = reading.steady
         quantity = next(q for q in reversed(_SHOWN) if q in record.quantities)
         symbol, factor, unit, column = _SHOWN[quantity]
+        label = of.label(symbol, unit)
         samples = excerpt(record, quantity, steady)
-        t, values = (of[:: max(1, of.size // _POINTS)] for of in samples)
+        t, values = (a[:: max(1, a.size // _POINTS)] for a in samples)
         base = float(np.angle(steady.mean(steady.Y)[1]))
         theta = (steady.omega * (t - steady.start) + base) % (2.0 * math.pi)
         axes.plot(np.degrees(theta), factor * values, ".", label="samples", **_DOTS)
@@ -97,7 +100,7 @@ def cycles(
             axes.plot(degrees, line, color=SLIP, linestyle=DASHED, label="fitted oscillator")
         expected = np.interp(theta, averaged["phase"], model[column] + level, period=2.0 * math.pi)
         left = (values - expected) / (steady.noise_rms[quantity] or math.nan)
-        _with_residual(axes, below, np.degrees(theta), left, (0.0, 360.0), symbol, unit)
+        _with_residual(axes, below, np.degrees(theta), left, (0.0, 360.0), label)
         for frame in (axes, below):
             frame.set_xticks([0, 90, 180, 270, 360])
     return explained(figure, panels)
@@ -107,14 +110,15 @@ def cycles(
 def friction(
     records: Sequence[Record],
     loops: Sequence[Mapping[str, Array]],
-    fit: WaveformFit | None = None,
+    fit: WaveformFit | None,
+    of: Coordinate,
 ) -> Figure:
     """Return the friction force against displacement, a panel per record: what the averaged cycle leaves of the forces
     (line), the loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
 
     loops : columns of `friction_loops` of the records.
     """
-    figure, panels = _panels_of_records(records, "$x$ (mm)")
+    figure, panels = _panels_of_records(records, of.label("x", "mm"))
     for i, (loop, (axes, _)) in enumerate(zip(loops, panels, strict=True)):
         x, f = (np.append(loop[name], loop[name][0]) for name in ("x_m", "f_N"))
         axes.plot(1e3 * x, f, color=SLIP, label="from the record")
@@ -126,13 +130,13 @@ def friction(
             axes.plot(1e3 * state.x, K_z * state.z, label="fitted oscillator", **look)
             ends = 1e3 * orbit.X_s * np.array([1.0, -1.0])
             axes.plot(ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip")
-        axes.set_ylabel("$f$ (N)", labelpad=1.0)
+        axes.set_ylabel(of.label("f", "N"), labelpad=1.0)
         axes.margins(0.08)
     return explained(figure, panels)
 
 
 @styled()
-def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
+def balance(answers: Mapping[str, Answer], two: bool, of: Coordinate) -> Figure:
     """Return the rows of the balance, and their residuals.
 
     (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
@@ -168,8 +172,8 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
     right.errorbar(np.arange(1, len(scaled) + 1)[usable], scaled[usable], **bars)
     left.set_xlim(left=0.0)
     left.xaxis.set_major_locator(MaxNLocator(6))
-    left.set_xlabel("$a/b$ (s/m)" if two else "$W$ (J)")
-    left.set_ylabel("$W/b$ (N s/m)" if two else "energy lost by the fitted law (J)")
+    left.set_xlabel(of.label("a/b", "s/m") if two else "$W$ (J)")
+    left.set_ylabel(of.label("W/b", "N s/m") if two else "energy lost by the fitted law (J)")
     right.axhline(0.0, color=FAINT, linewidth=0.6, zorder=0)
     right.set_xlabel("row")
     right.set_ylabel(r"residual/$\sigma$")
@@ -183,7 +187,7 @@ def balance(answers: Mapping[str, Answer], two: bool) -> Figure:
 
 
 @styled()
-def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
+def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) -> Figure:
     """Return each decay (dots), the motion of the oscillator of largest likelihood (line) and the turns read for the
     balance (rings); below, what the fit leaves, over the standard deviation of the noise. A panel per decay, the first
     24.
@@ -200,7 +204,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
         end = min(one.end, one.start + fit.sticks_from(i) + _AT_REST * one.period)
         seen = np.flatnonzero(signal.t <= end)
         seen = seen[:: max(1, seen.size // _POINTS)]
-        t, values, residual = (of[seen] for of in (signal.t, signal.values, residual))
+        t, values, residual = (a[seen] for a in (signal.t, signal.values, residual))
         axes.plot(t, factor * values, ".", label="samples", **_DOTS)
         look: dict[str, Any] = {"color": SLIP, "linewidth": 0.6, "label": "fitted oscillator"}
         axes.plot(t, factor * (values + residual * signal.noise), **look)
@@ -209,7 +213,7 @@ def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]]) -> Figure:
             x = factor * (x_turn + float(fit.point[len(COMMON) + signal.offset]))
             rings: dict[str, Any] = {"markersize": 2.5, "fillstyle": "none", "label": "turns"}
             axes.plot(t_turn, x, "o", color=STICK, **rings)
-        _with_residual(axes, below, t, residual, (one.start, end), symbol, unit)
+        _with_residual(axes, below, t, residual, (one.start, end), of.label(symbol, unit))
         below.set_xlabel("$t$ (s)", labelpad=1.0)
     return explained(figure, panels)
 
@@ -220,8 +224,7 @@ def _with_residual(
     along: Array,
     left: Array,
     ends: tuple[float, float],
-    symbol: str,
-    unit: str,
+    label: str,
 ) -> None:
     """Draw, below a panel of samples, the residuals of a fit, over the standard deviation of the noise."""
     below.plot(along, left, ".", **_DOTS)
@@ -231,7 +234,7 @@ def _with_residual(
     for frame in (axes, below):
         frame.set_xlim(*ends)
     axes.tick_params(labelbottom=False)
-    axes.set_ylabel(f"${symbol}$ ({unit})", labelpad=1.0)
+    axes.set_ylabel(label, labelpad=1.0)
 
 
 def _panels_of_records(

@@ -10,16 +10,25 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jinja2
 from markupsafe import Markup
 
 from .. import __version__
-from ..figures.style import COOL, DARK, GRID, INK, PAPER_COLOUR, follows_the_screen, save_svg
+from ..figures.style import (
+    COOL,
+    DARK,
+    GRID,
+    INK,
+    PAPER_COLOUR,
+    follows_the_screen,
+    lacking_glyphs,
+    save,
+    save_svg,
+)
 from ..findings.finding import Finding
-from ..findings.words import limit, unit_of
-from ..findings.words import sentence as worded
+from ..findings.words import limit, phrase, unit_of
 from ..law.terms import term
 from ..project.wording import (
     dotted,
@@ -31,11 +40,27 @@ from ..project.wording import (
     sentence,
     signed_percent,
     visible,
-    with_unit,
 )
-from ..records.coordinate import TRANSLATION, Coordinate
-from .answer import DOUBTFUL, NONE, USABLE, Answer, ParameterEstimate
-from .screen import answers_table, comparison, interval_of, value_of
+from ..records.coordinate import ROTATION, Coordinate
+from .answer import DOUBTFUL, NONE, USABLE, ParameterEstimate
+from .drawing import DPI, draw
+from .outputs import PICTURES, pictures_of
+from .screen import (
+    answers_table,
+    comparison,
+    interval_of,
+    lead,
+    limiting,
+    measured,
+    named,
+    reasons,
+    value_of,
+    worded_first,
+)
+from .sensitivities import FAULTS
+
+if TYPE_CHECKING:
+    from .result import Result
 
 _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
     "paper": (PAPER_COLOUR, DARK[PAPER_COLOUR]),
@@ -49,14 +74,49 @@ _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
 }
 
 
-def page_of(template: str, **content: Any) -> str:
-    """Return a page, or a part of one, as HTML.
+def report(found: Result[Any], folder: Path | None = None) -> str:
+    """Return the report: see `Result.report`.   folder : for the pictures as SVG and PNG."""
+    with TemporaryDirectory() as unkept:
+        pictures = []
+        for name, picture in found.pictures.items():
+            svg, png = (Path(folder or unkept, file) for file in pictures_of([name]))
+            with lacking_glyphs():
+                drawn = draw(picture, found.coordinate)
+                if folder is None:
+                    save_svg(drawn, svg, picture.words, DPI)
+                else:
+                    save(drawn, svg, png, picture.words, DPI)
+            text = svg.read_text(encoding="utf-8")
+            pictures.append((text, _caption(found, name), picture.words))
+    files = [record.files or {} for record in found.records] or [{}] * len(found.sources)
+    of, effects = found.sensitivities()
+    return _page(
+        "report",
+        found,
+        pictures=pictures,
+        effects=effects,
+        effects_of=of,
+        files=dict(zip(found.sources, files, strict=True)),
+        levels=[level.document(found.k, found.mass) for level in found.levels],
+    )
 
-    template : "report" (of what `Identified` has, its document and its drawings as SVG),
-    "notebook".   content : what the template shows.
-    """
-    colours = {"version": __version__, "colours": _COLOURS}
-    return _TEMPLATES.get_template(f"{template}.html.j2").render(**colours, **content)
+
+def notebook(found: Result[Any]) -> str:
+    """Return what a notebook shows of a result."""
+    return _page("notebook", found)
+
+
+def _page(template: str, found: Result[Any], **content: Any) -> str:
+    """Return a page, or a part of one, as HTML.   content : what the template shows."""
+    content |= {"version": __version__, "colours": _COLOURS, "found": found}
+    of = found.coordinate
+    content |= {"unit": of.unit, "symbol": of.symbol, "key": of.key, "noun": of.noun}
+    return _TEMPLATES.get_template(f"{template}.html.j2").render(**content)
+
+
+def _caption(found: Result[Any], name: str) -> str:
+    nouns = {noun: found.coordinate.noun(noun) for noun in ("force", "displacement")}
+    return PICTURES[found.basis.kind][name].format(**nouns)
 
 
 def rich(text: str) -> Markup:
@@ -71,9 +131,10 @@ def _known(value: float | None) -> float:
 # --- what the report of one set says --------------------------------------------------------------
 
 
-def _verdict(answer: Answer, coordinate: Coordinate) -> tuple[str, str]:
+def _verdict(found: Result[Any]) -> tuple[str, str]:
     """Return the whole result in a sentence: which numbers can be used, with their values, and the first reason where
     others cannot; and the class of the paragraph."""
+    answer, coordinate = found.answer, found.coordinate
     groups: dict[str, list[str]] = {USABLE: [], DOUBTFUL: [], NONE: []}
     for symbol, one in answer.verdicts.items():
         groups[one.verdict].append(symbol)
@@ -83,26 +144,25 @@ def _verdict(answer: Answer, coordinate: Coordinate) -> tuple[str, str]:
         parts.append("these records give no answer")
     if usable:
         these = "can be used as they stand" if len(usable) > 1 else "can be used as it stands"
-        parts.append(f"{_values(answer, usable)} {these}")
+        parts.append(f"{_values(found, usable)} {these}")
     if doubtful:
         are = "are doubtful" if len(doubtful) > 1 else "is doubtful"
-        parts.append(f"{_values(answer, doubtful)} {are}")
+        parts.append(f"{_values(found, doubtful)} {are}")
     if none:
-        parts.append(f"{listed(none)} cannot be determined from these records")
+        symbols = listed([*map(coordinate.symbol, none)])
+        parts.append(f"{symbols} cannot be determined from these records")
     kind = DOUBTFUL if usable and (doubtful or none) else next(k for k, of in groups.items() if of)
     if kind != USABLE:
-        every = [f for v in answer.verdicts.values() if v.verdict != USABLE for f in v.findings]
-        first = [one for one in every if one.kind == every[0].kind]
-        clause = worded(first, coordinate, remedy=False).partition(":")[0]
-        parts.append(f"the first reason: {clause}" + (first[0].of and f" ({_short(first[0].of)})"))
+        first = reasons(answer)[0]
+        clause = worded_first(reasons(answer), coordinate).partition(":")[0]
+        parts.append(f"the first reason: {clause}" + (first.of and f" ({_short(first.of)})"))
     return sentence("; ".join(parts)), f"lead {kind}"
 
 
-def _first_reason(findings: Sequence[Finding], coordinate: Coordinate) -> str:
+def _why(findings: Sequence[Finding], coordinate: Coordinate) -> str:
     """Return the first finding of a verdict in words, and whether there are others."""
-    first = [one for one in findings if one.kind == findings[0].kind]
-    more = " …" if len(first) < len(findings) else ""
-    return worded(first, coordinate, remedy=False) + more if first else ""
+    others = any(one.kind != findings[0].kind for one in findings)
+    return worded_first(findings, coordinate) + " …" * others
 
 
 def _names(sources: Sequence[str]) -> str:
@@ -116,17 +176,15 @@ def _short(source: str) -> str:
     return visible(path.name if path.suffix else source)
 
 
-def _values(answer: Answer, symbols: Sequence[str]) -> str:
-    texts = []
+def _values(found: Result[Any], symbols: Sequence[str]) -> str:
+    answer, coordinate, texts = found.answer, found.coordinate, []
     for symbol in symbols:
         p = answer.parameters[symbol]
         if p.interval.low <= 0.0 < p.interval.high and answer.verdicts[symbol].verdict == USABLE:
-            texts.append(limit(symbol, *p.interval, TRANSLATION))
+            texts.append(limit(symbol, *p.interval, coordinate))
             continue
         share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if p.within < 1.0 else ""
-        value = value_of(p)
-        equal = "" if value.startswith(">") else "= "
-        texts.append(with_unit(f"{symbol} {equal}{value}", unit_of(symbol)) + share)
+        texts.append(measured(symbol, value_of(p), coordinate) + share)
     return listed(texts)
 
 
@@ -134,18 +192,17 @@ def _part(p: ParameterEstimate) -> str:
     return percent(p.within, 2).replace(" ", "\N{NO-BREAK SPACE}")
 
 
-def _first_check(answer: Answer, effects: Mapping[str, Any]) -> list[str]:
+def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]]) -> list[str]:
     """Return what helps most: a sentence on the fault that the numbers feel most, against what their intervals allow;
     none where they allow all of them."""
     felt = [("", 1.0)]
-    for effect in effects.values():
-        for symbol, p in answer.parameters.items():
-            change, half = abs(effect.get(f"{symbol}_percent") or 0.0) / 100.0, p.within
-            if half > 0.0 and math.isfinite(half):
-                words = (
-                    f"{effect['fault']}, {symbol} is off by {larger_by(change)}, but its interval"
-                )
-                felt.append((f"check first: if {words} allows {_part(p)} only", change / half))
+    for fault, shifts in effects.items():
+        for symbol, p in found.answer.parameters.items():
+            change, half = abs(shifts.get(symbol, math.nan)), p.within
+            if half > 0.0 and math.isfinite(half) and math.isfinite(change):
+                off = f"{found.coordinate.symbol(symbol)} is off by {larger_by(change)}"
+                words = f"{FAULTS[fault].words}, {off}, but its interval allows {_part(p)} only"
+                felt.append((f"check first: if {words}", change / half))
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
 
 
@@ -168,12 +225,12 @@ def _explained(findings: Iterable[Finding]) -> list[str]:
     ]
 
 
-def _rig(options: Mapping[str, Any], rotates: bool) -> str:
+def _rig(found: Result[Any]) -> str:
     """Return the drawing of the rig that records are taken to be of, SVG; empty where none is drawn."""
     from ..figures.rig_drawings import LOAD_CELL, MOUNT, RELEASE, TO_GROUND, rigs  # slow to import
 
-    kind = options.get("kind", "forced")
-    if rotates or kind not in ("forced", "ring-down"):
+    kind, options = found.basis.kind, found.options
+    if found.coordinate == ROTATION or kind not in ("forced", "ring-down"):
         return ""
     name = RELEASE if kind == "ring-down" else TO_GROUND
     name = LOAD_CELL if options.get("fixture_mass_kg") else name
@@ -211,11 +268,12 @@ _TEMPLATES.filters |= {
     "value": value_of,
     "interval": interval_of,
     "part": _part,
-    "unit": unit_of,
+    "unit_of": unit_of,
     "words": lambda symbol: "contact stiffness" if symbol == "K_z" else term(symbol).words,
+    "phrase": phrase,
     "figures": lambda value: number_text(_known(value), 4),
     "percent": lambda share: percent(_known(share)),
-    "change": lambda change: signed_percent(0.01 * round(_known(change), 3)),
+    "change": lambda share: signed_percent(0.01 * round(100.0 * _known(share), 3)),
     "setting": _setting,
 }
 _TEMPLATES.globals |= {
@@ -223,8 +281,12 @@ _TEMPLATES.globals |= {
     "comparison": comparison,
     "dotted": dotted,
     "explained": _explained,
+    "FAULTS": FAULTS,
     "first_check": _first_check,
-    "first_reason": _first_reason,
+    "lead": lead,
+    "limiting": limiting,
+    "named": named,
     "rig": _rig,
     "verdict": _verdict,
+    "why": _why,
 }

@@ -22,7 +22,7 @@ from .loading import levels_of
 
 if TYPE_CHECKING:
     from ..records.measured import ReaderOfTables, RecordLike
-    from .identified import Identified
+    from .result import Result
 
 _ANY = 1e3  # k₀/m, rad²/s², of 5 Hz
 
@@ -42,9 +42,9 @@ _READERS: Mapping[str, Callable[[Option, Any], Any]] = {
 
 
 def with_stiffness_by_mass(
-    identified: Callable[[Mapping[str, Any]], Identified],
+    identified: Callable[[Mapping[str, Any]], Result[Any]],
     options: Mapping[str, Any],
-    *further: Callable[[Mapping[str, Any]], Identified],
+    *further: Callable[[Mapping[str, Any]], Result[Any]],
 ) -> tuple[dict[str, Any], float]:
     """Return options with the standard uncertainty of the stiffness k that the mass among them and the frequency of
     records give, and k, N/m.

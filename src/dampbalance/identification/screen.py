@@ -1,35 +1,138 @@
-"""Answers in plain characters: tables of values with their intervals, and sentences on what a fit implies."""
+"""A result in plain characters: one screen, and all of it with tables and sentences."""
 
 from __future__ import annotations
 
 import math
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 from ..findings.finding import Finding
-from ..findings.words import limit, sentence, unit_of
+from ..findings.words import in_a_sentence, limit, unit_of
+from ..findings.words import sentence as worded
 from ..fit.oscillator_fit import OscillatorFit
-from ..project import wording
-from ..project.wording import listed, number_text, part, percent, rounded, with_error
-from ..records.coordinate import TRANSLATION, Coordinate
+from ..law.terms import FRICTION
+from ..project.wording import (
+    label_with_unit,
+    listed,
+    number_text,
+    part,
+    percent,
+    rounded,
+    sentence,
+    with_error,
+    with_unit,
+)
+from ..records.coordinate import Coordinate
 from .answer import USABLE, Answer, ParameterEstimate, Verdict
 from .law_comparison import LawComparison, Probability
-from .level import Level, damping_ratio
+from .level import damping_ratio
+
+if TYPE_CHECKING:
+    from .result import Result
 
 _ROUNDING = 1e-12
 _SKEW = 0.1  # of the half width, by which a value may lie off the middle of an interval that is shown as ±
+_CAUSES = 3  # of doubt that a screen has room for
 
 
-def answers_table(answers: Mapping[str, Answer]) -> list[tuple[str, ...]]:
+def screen(found: Result[Any], width: int, details: str) -> str:
+    """Return one screen: see `Result.screen`."""
+    coordinate, name = found.coordinate, found.answer.name
+    others = {*found.approaches} - {name}
+    own = [group for group in found.limits if not {one.of for one in group} <= others]
+    answer, first = lead(found) or _answer(found), next(iter(found.unanswered), [])
+    cause = next((of for of in own if first and of[0].kind == first[0].kind), None)
+    if cause is not None:  # with its remedy
+        answer = sentence(f"no answer: {worded(cause, coordinate)}")
+        own.remove(cause)
+    left = max(0, len(own) - _CAUSES)
+    causes = [sentence(named(found, of)) for of in own[:_CAUSES]]
+    if found.hint and not first and len(causes) < _CAUSES:
+        causes += found.in_sentences([found.hint])
+    check = agreement(found) if found.check is None else " ".join(found.in_sentences(found.check))
+    numbers = wrapped([*damping_of(found), check], width)
+    causes = wrapped([f"- {one}" for one in causes], width)
+    parts = [causes, table_of(found), numbers] if first else [numbers, causes]
+    more = f"{left} more and " * bool(left) + "all numbers"
+    last = f"See {details} for {more}, and for what they depend on."
+    return _page(wrapped([answer], width), *parts, comparison(found, width), wrapped([last], width))
+
+
+def details(found: Result[Any], width: int | None = None) -> str:
+    """Return all sentences and tables: see `Result.text`."""
+    said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
+    numbers = [*wrapped([found.head], width), "", *table_of(found), "", *said]
+    tests = comparison(found, width)
+    numbers += ["", *tests] if tests else []
+    heading = "Causes and remedies" if found.unanswered else "What limits the answer"
+    limits = limiting(found)
+    causes = [f"{heading}:", *wrapped(limits, width)] if limits else []
+    parts = [causes, numbers] if found.unanswered else [numbers, causes]
+    return _page(wrapped([lead(found)], width), *parts)
+
+
+def _page(*parts: Sequence[str]) -> str:
+    """Return paragraphs of lines, without those that are empty."""
+    return "\n\n".join(text for part in parts if (text := "\n".join(part))) + "\n"
+
+
+def lead(found: Result[Any]) -> str:
+    """Return the sentence before all numbers: that there is no answer and its first cause, or no friction; else an
+    empty one."""
+    coordinate, answer = found.coordinate, found.answer
+    if why := found.unanswered:
+        return sentence(f"no answer: {worded(why[0], coordinate, remedy=False)}")
+    verdict, c = answer.verdicts.get(FRICTION), answer.parameters.get("c")
+    if verdict is None or c is None or (verdict.verdict, verdict.within) != (USABLE, math.inf):
+        return ""
+    friction = limit(FRICTION, *answer.parameters[FRICTION].interval, coordinate)
+    ratio = found.damping_ratio
+    zeta = "" if math.isnan(ratio) else f", ζ = {percent(ratio, 2)}"
+    return f"No friction ({friction} at 95 %); {measured('c', value_of(c), coordinate)}{zeta}."
+
+
+def limiting(found: Result[Any]) -> list[str]:
+    """Return what limits the answers, in sentences: "*" begins a note on answers, "warning:" all else."""
+    return [
+        ("* " if group[0].of in found.approaches else "warning: ")
+        + in_a_sentence(group, found.sources, found.coordinate)
+        for group in found.limits
+    ]
+
+
+def named(found: Result[Any], findings: Sequence[Finding]) -> str:
+    """Return findings of one kind in a sentence that names what they are about, unless that is the answer."""
+    if found.answer.name in {one.of for one in findings}:
+        return worded(findings, found.coordinate)
+    return in_a_sentence(findings, found.sources, found.coordinate)
+
+
+def measured(symbol: str, text: str, coordinate: Coordinate) -> str:
+    """Return F_k = 1.28 N for the text of a number, or K_z > 3000 N/m for that of a limit."""
+    equal = "" if text.startswith(">") else "= "
+    unit = coordinate.unit(unit_of(symbol))
+    return with_unit(f"{coordinate.symbol(symbol)} {equal}{text}", unit)
+
+
+def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
     """Return the values with their intervals and verdicts, a line for each answer below a line of heads."""
+    answers, coordinate = found.approaches, found.coordinate
     symbols = dict.fromkeys(s for answer in answers.values() for s in answer.parameters)
     order = sorted(symbols, key=lambda symbol: symbol == "K_z")  # the contact last
-    lines = [("", *map(headed, order), "verdict")]
+    heads = [label_with_unit(coordinate.symbol(s), coordinate.unit(unit_of(s))) for s in order]
+    lines = [("", *heads, "verdict")]
     for name, answer in answers.items():
         cells = (with_interval(p) if (p := answer.parameters.get(s)) else "" for s in order)
-        lines.append((name + " *" * bool(answer.notes), *cells, in_one(answer.verdicts)))
+        verdict = in_one(answer.verdicts, coordinate)
+        lines.append((name + " *" * bool(answer.notes), *cells, verdict))
     return lines
+
+
+def table_of(found: Result[Any]) -> list[str]:
+    """Return the table of all answers as lines."""
+    return aligned(answers_table(found))
 
 
 def aligned(table: Sequence[Sequence[str]]) -> list[str]:
@@ -38,7 +141,7 @@ def aligned(table: Sequence[Sequence[str]]) -> list[str]:
     return ["  ".join(map(str.ljust, line, widths)).rstrip() for line in table]
 
 
-def in_one(verdicts: Mapping[str, Verdict]) -> str:
+def in_one(verdicts: Mapping[str, Verdict], coordinate: Coordinate) -> str:
     """Return the verdicts on several parameters for a line of a table: "usable within 1.2 %", or "usable within 0.3 %:
     F_k, c; none: K_z", where the number that is known least decides."""
     by_word: dict[str, list[str]] = {}
@@ -48,22 +151,33 @@ def in_one(verdicts: Mapping[str, Verdict]) -> str:
     for word, symbols in by_word.items():
         sizes = [within for s in symbols if math.isfinite(within := verdicts[s].within)]
         size = f" within {part(max(sizes))}" if word == USABLE and sizes else ""
-        named = f": {', '.join(symbols)}" if len(by_word) > 1 else ""
-        parts.append(f"{word}{size}{named}")
+        of = ", ".join(map(coordinate.symbol, symbols))
+        parts.append(f"{word}{size}" + f": {of}" * (len(by_word) > 1))
     return "; ".join(parts)
 
 
-def answer_in_words(answer: Answer, coordinate: Coordinate) -> str:
+def reasons(answer: Answer) -> list[Finding]:
+    """Return the findings that keep numbers from being usable."""
+    return [f for v in answer.verdicts.values() if v.verdict != USABLE for f in v.findings]
+
+
+def worded_first(findings: Sequence[Finding], coordinate: Coordinate) -> str:
+    """Return the first of findings in words, with those of its kind; empty where there is none."""
+    first = [one for one in findings if one.kind == findings[0].kind]
+    return worded(first, coordinate, remedy=False) if first else ""
+
+
+def _answer(found: Result[Any]) -> str:
     """Return the values with their intervals of 95 %, and how far they can be used, in a sentence: "F_k = 2.100 ± 0.010
     N, … at 95 %: usable within 0.6 %."; after a doubt its first reason."""
-    values = [_with_half_width(symbol, p) for symbol, p in answer.parameters.items()]
-    doubts = [f for v in answer.verdicts.values() if v.verdict != USABLE for f in v.findings]
-    first = [one for one in doubts if one.kind == doubts[0].kind]
-    why = f", as {sentence(first, coordinate, remedy=False)}" if first else ""
-    return f"{', '.join(filter(None, values))} at 95 %: {in_one(answer.verdicts)}{why}."
+    answer, coordinate = found.answer, found.coordinate
+    values = [_with_half_width(s, p, coordinate) for s, p in answer.parameters.items()]
+    why = worded_first(reasons(answer), coordinate)
+    verdict = in_one(answer.verdicts, coordinate) + (f", as {why}" if why else "")
+    return f"{', '.join(filter(None, values))} at 95 %: {verdict}."
 
 
-def _with_half_width(symbol: str, p: ParameterEstimate) -> str:
+def _with_half_width(symbol: str, p: ParameterEstimate, coordinate: Coordinate) -> str:
     """Return F_k = 1.2803 ± 0.0011 N, with the interval itself where it is not symmetric; a limit; nothing for no
     value."""
     low, high = p.interval
@@ -71,20 +185,21 @@ def _with_half_width(symbol: str, p: ParameterEstimate) -> str:
     if math.isnan(p.value):
         return ""
     if math.isinf(high) or low <= 0.0 < high:
-        return limit(symbol, low, high, TRANSLATION)
+        return limit(symbol, low, high, coordinate)
     symmetric = abs(p.value - middle) < _SKEW * half
-    shown = with_error(p.value, half) if symmetric else with_interval(p)
-    return wording.with_unit(f"{symbol} = {shown}", unit_of(symbol))
+    return measured(
+        symbol, with_error(p.value, half) if symmetric else with_interval(p), coordinate
+    )
 
 
-def agreement_of(answers: Mapping[str, Answer]) -> str:
+def agreement(found: Result[Any]) -> str:
     """Return by how much the next answer with values differs from the first one, in a sentence."""
-    answer, *others = answers.values()
+    answer, *others = found.approaches.values()
     for other in others:
         apart = [
-            f"{part(abs(other.values[symbol] / p.value - 1.0))} in {symbol}"
-            for symbol, p in answer.coefficients.items()
-            if p.value and math.isfinite(other.values.get(symbol, math.nan) / p.value)
+            f"{part(abs(other.values[s] / p.value - 1.0))} in {found.coordinate.symbol(s)}"
+            for s, p in answer.coefficients.items()
+            if p.value and math.isfinite(other.values.get(s, math.nan) / p.value)
         ]
         if apart:
             kind = "fit" if other.balance is None else "energy balance"
@@ -93,76 +208,73 @@ def agreement_of(answers: Mapping[str, Answer]) -> str:
     return "Check: none, as no other evaluation of these records has values."
 
 
-def damping_of(k: float, mass: tuple[float, float], c: float, levels: Sequence[Level]) -> list[str]:
+def damping_of(found: Result[Any]) -> list[str]:
     """Return in sentences the mass, the natural frequency and the damping ratio, which a test engineer asks for first,
-    and the damping of the smallest and the largest level.
-
-    k : N/m.   mass : with its standard error, kg; NaN where it is not known.   c : N s/m.
-    """
-    (m, error), sentences = mass, []
+    and the damping of the smallest and the largest level."""
+    k, m, error, sentences = found.k, found.mass, found.mass_error, []
     if not math.isnan(m):
         given = not error > _ROUNDING * m
-        known = (
-            f"m = {number_text(m, 5)} kg as given" if given else f"m = {with_error(m, error)} kg"
-        )
-        ratio = damping_ratio(c, k, m)
+        text = number_text(m, 5) if given else with_error(m, error)
+        known = measured("m", text, found.coordinate) + " as given" * given
+        ratio = found.damping_ratio
         zeta = "" if math.isnan(ratio) else f", ζ = {percent(ratio, 3)} from c alone"
-        hertz = number_text(math.sqrt(k / m) / (2.0 * math.pi), 4)
+        hertz = number_text(found.natural_frequency, 4)
         sentences.append(
             f"{known}, f_n = {hertz} Hz{zeta}. If your rig differs, check gains, units and k."
         )
-    sizes = sorted(
-        (level for level in levels if level.W > 0.0 and k > 0.0), key=lambda level: level.X
-    )
+    sizes = sorted((of for of in found.levels if of.W > 0.0 and k > 0.0), key=lambda of: of.X)
     if sizes:
-        ends = sizes[:: len(sizes) - 1 or 1]
         at = [
             f"η = {number_text(level.loss_factor(k), 3)}"
             + (f", ζ_eq = {percent(damping_ratio(level.equivalent_damping, k, m), 3)}" * (m == m))
-            + f" at X = {number_text(1e3 * level.X, 3)} mm"
-            for level in ends
+            + f" at X = {number_text(1e3 * level.X, 3)} {found.coordinate.unit('mm')}"
+            for level in sizes[:: len(sizes) - 1 or 1]
         ]
         sentences.append(f"With friction: {'; '.join(at)}.")
     return sentences
 
 
-def wrapped(lines: Sequence[str], width: int) -> list[str]:
-    """Return lines broken at a width, but not between a number and its unit; those of a table, which have two spaces
-    between columns, are not."""
-    broken = []
+def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
+    """Return lines broken at a width, if there is one, but not between a number and its unit."""
+    broken: list[str] = []
     for line in lines:
-        if "  " in line:
-            broken.append(line)
-            continue
         tied = re.sub(r"(?<=[\d=±<>]) (?=\S)| (?==)", "\N{NO-BREAK SPACE}", line)
-        indent = "  " * line.startswith("- ")
+        indent = "  " * line.startswith(("- ", "* "))
         pieces = textwrap.wrap(
-            tied, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+            tied,
+            width or len(tied) + 1,
+            subsequent_indent=indent,
+            break_long_words=False,
+            break_on_hyphens=False,
         )
         broken += [piece.replace("\N{NO-BREAK SPACE}", " ") for piece in pieces or [""]]
     return broken
 
 
-def comparison(laws: LawComparison | None) -> list[str]:
-    """Return what follows from a comparison of laws, then a line for each law with its tests."""
-    if laws is None:
+def comparison(found: Result[Any], width: int | None) -> list[str]:
+    """Return what follows from a comparison of laws, and a line for each law with its tests."""
+    if found.laws is None:
         return []
+    names, coordinate = found.laws.names, found.coordinate
+    title = f"p-value of the residual of each law in the {' and in the '.join(names)}:"
+    said = [*found.in_sentences(found.laws.findings), title]
+    return [*wrapped(said, width), "", *aligned(_tests(found.laws, coordinate))]
+
+
+def _tests(laws: LawComparison, coordinate: Coordinate) -> list[list[str]]:
+    """Return a line for each law with its tests, below a line of heads."""
     table = [["law", *laws.names, "", "coefficients"]]
     for test in laws.tests:
         rejected = test.rejected_by_balance if laws.by_balance else test.rejected
         word = "chosen" if laws.chosen == test.terms else "rejected" if rejected else "possible"
         values = ", ".join(
-            f"{key} = {number_text(value, 5)} ± {number_text(error, 2)}"
+            f"{coordinate.symbol(key)} = {number_text(value, 5)} ± {number_text(error, 2)}"
             for key, (value, error) in test.coefficients.items()
         )
         tests = [_in_noise(test.tests.get(name)) for name in laws.names]
-        table.append([", ".join(test.terms), *tests, word, "" if word == "rejected" else values])
-    return [
-        *(f"{words[0].upper()}{words[1:]}." for words in laws.words()),
-        f"p-value of the residual of each law in the {' and in the '.join(laws.names)}:",
-        "",
-        *aligned(table),
-    ]
+        law = ", ".join(map(coordinate.symbol, test.terms))
+        table.append([law, *tests, word, "" if word == "rejected" else values])
+    return table
 
 
 def _in_noise(test: Probability | None) -> str:
@@ -208,8 +320,3 @@ def interval_of(parameter: ParameterEstimate) -> str:
         return "–"
     low, high = parameter.interval
     return f"[{rounded(low, 0.5 * (high - low))}, {rounded(high, 0.5 * (high - low))}]"
-
-
-def headed(symbol: str) -> str:
-    """Return F_k (N): the head of a column of a table."""
-    return wording.label_with_unit(symbol, unit_of(symbol))

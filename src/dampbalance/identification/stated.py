@@ -16,18 +16,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 
 from ..findings.finding import Finding
 from ..records.channel import ACCOMPANYING, EXCITATIONS
 from .answer import REFERENCE, Answer
-from .identified import Identified
 from .loading import correction_of
+from .result import B, Result
 from .sensitivities import FAULTS, Fault
-
-Outcome = TypeVar("Outcome", bound=Identified)
 
 _FELT = 1e-3  # of an effect of a part of the same size: what is said of less is that it is nothing
 _UNTESTED = {
@@ -37,7 +35,7 @@ _UNTESTED = {
 }
 
 
-def with_stated_uncertainties(found: Outcome) -> Outcome:
+def with_stated_uncertainties(found: Result[B]) -> Result[B]:
     """Return an identification whose errors, intervals and covariances hold what its options and the mappings of its
     records state, and which says on what it depends."""
     stiffness = found.options.get("stiffness_standard_error_N_per_m") or 0.0
@@ -63,7 +61,7 @@ def with_stated_uncertainties(found: Outcome) -> Outcome:
     )
 
 
-def _stated_of_channels(found: Identified) -> dict[str, float]:
+def _stated_of_channels(found: Result[Any]) -> dict[str, float]:
     """Return standard uncertainties that mappings state: of the gains of base or force (drive) and of the mass's
     channels (response), as parts of them, and of the delay between both (late), s.
 
@@ -103,14 +101,14 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
 
 
 def _conditional(
-    found: Identified, stiffness: bool, mass: bool
+    found: Result[Any], stiffness: bool, mass: bool
 ) -> tuple[Finding | None, Finding | None]:
     """Return a finding on what the numbers depend on and records hardly test, with what to state or give, and one on
     how much they depend on it; None where it is stated and tested.
 
     stiffness : whether its uncertainty is stated.   mass : whether it is given.
     """
-    by_mass = mass and found.mass_tests and found.options["stiffness_N_per_m"] is None
+    by_mass = mass and found.basis.mass_tests and found.options["stiffness_N_per_m"] is None
     if by_mass:
         k = found.k, found.options["stiffness_standard_error_N_per_m"]
         return Finding("k by the mass", {"k": k}), None
@@ -128,6 +126,6 @@ def _conditional(
     if not effects:
         return None, None
     known = found.options.get("stiffness_N_per_m")
-    weigh = found.mass_tests and not mass
+    weigh = found.basis.mass_tests and not mass
     hint = {"k": known or 0.0, "state": bool(known) and not stiffness, "weigh": weigh}
     return Finding("conditional", hint), Finding("depends", {"effects": tuple(effects)})

@@ -11,7 +11,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
@@ -29,9 +28,9 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.identified import Identified, Picture
 from ..identification.level import Level
 from ..identification.request import read_request
+from ..identification.result import Picture, Result
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.law import Law, law_of
@@ -54,9 +53,9 @@ _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicte
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class SteppedOutcome(Identified):
-    """The answers to tables of steady responses, and all that they come from.
+@dataclass(frozen=True, eq=False, repr=False)
+class SteppedBasis:
+    """What the answers to tables of steady responses rest on.
 
     lines : of all tables.   table_of : index of the table that each belongs to, (n,).   fits : of each contact, by
     name, the one to use first.   compared : which of them the lines support, where there are levels enough.   by_base :
@@ -69,34 +68,14 @@ class SteppedOutcome(Identified):
     compared: ContactComparison | None
     by_base: Mask
 
-    kind: ClassVar[Mapping[str, str]] = {"kind": "stepped-sine"}
+    kind: ClassVar[str] = "stepped-sine"
     mass_tests: ClassVar[bool] = False
 
-    @property
-    def fit(self) -> ContactFit:
-        """The fit of the answer."""
-        return self.fits[next(iter(self.approaches))]
+    def _of_mode(self, found: Result[Any]) -> SteppedLines:
+        """Return the lines without what other modes add to them, by the fit of the answer."""
+        return self.lines.of_mode(self.fits[found.answer.name].values.get("R", 0.0))
 
-    @property
-    def of_mode(self) -> SteppedLines:
-        """The lines without what other modes add to them, by the fit of the answer."""
-        return self.lines.of_mode(self.fit.values.get("R", 0.0))
-
-    def damping_at(self, X: ArrayLike, frequency_hz: ArrayLike) -> pd.DataFrame:
-        """Return the equivalent damping ratio at amplitudes, with its interval."""
-        import pandas as pd  # slow to import
-
-        X, frequency_hz = np.broadcast_arrays(np.atleast_1d(X).astype(float), frequency_hz)
-        omega, (low, high) = 2.0 * math.pi * frequency_hz, self.fit.X_range
-        measured = (low <= X) & (high >= X)
-        ratios = np.full((3, X.size), math.nan)
-        if measured.any():
-            size = 2.0 * math.pi * self.fit.values["m"] * (omega * X)[measured] ** 2
-            ratios[:, measured] = self.fit.loss(X[measured], omega[measured]) / size
-        columns = dict(zip(("damping_ratio", "low", "high"), ratios, strict=True))
-        return pd.DataFrame({"X_m": X, **columns})
-
-    def findings(self) -> dict[str, Any]:
+    def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return which contact the lines support, by how each predicts levels that are left out; their sliders; the
         tables."""
         compared: dict[str, Any] = {}
@@ -104,7 +83,7 @@ class SteppedOutcome(Identified):
             compared = {
                 "supported": self.compared.supported,
                 "probability_of_one_slider": self.compared.p,
-                "words": sentence(self.compared.finding(), self.coordinate),
+                "words": sentence(self.compared.finding(), found.coordinate),
                 "levels": list(self.lines.names),
                 "loss_rms_of_each_level_left_out": {
                     trial.name: [of.loss for of in trial.held_out] for trial in self.compared.trials
@@ -121,20 +100,14 @@ class SteppedOutcome(Identified):
             },
             "records": [
                 {"record": name, "lines": int(np.sum(self.table_of == i))}
-                for i, name in enumerate(self.sources)
+                for i, name in enumerate(found.sources)
             ],
         }
 
-    @property
-    def check(self) -> str:
-        """The sentence on which contact the lines support, or on the part of it that slips."""
-        return self.in_sentences(self.rig[:1])[0]
-
-    @property
-    def levels(self) -> list[Level]:
-        """The line of each level whose phase is nearest to 90°."""
-        of, levels = self.of_mode, []
-        W, friction = math.pi * of.X**2 * of.Z.imag, self.fit.sliders.loss(of.X)
+    def levels(self, found: Result[Any]) -> list[Level]:
+        """Return the line of each level whose phase is nearest to 90°."""
+        of, sliders, levels = self._of_mode(found), self.fits[found.answer.name].sliders, []
+        W, friction = math.pi * of.X**2 * of.Z.imag, sliders.loss(of.X)
         for level, name in enumerate(of.names):
             (own,) = np.nonzero(of.level == level)
             at = own[np.argmax(np.sin(np.angle(of.Z[own])))]
@@ -142,7 +115,9 @@ class SteppedOutcome(Identified):
             levels.append(Level(name, X, omega, float(W[at]), float(friction[at])))
         return levels
 
-    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+    def shifts(
+        self, found: Result[Any], faults: Mapping[str, Fault], name: str
+    ) -> dict[str, dict[str, float]]:
         """Return the changes of an answer with faults: half the difference of the fits to lines with the fault and with
         its opposite, whatever is given staying as it is. The force of a base that moves follows the stiffness."""
         fit, omega = self.fits[name], self.lines.omega
@@ -164,37 +139,51 @@ class SteppedOutcome(Identified):
         for what, fault in faults.items():
             less, more = of(fault, -1.0), of(fault, 1.0)
             own = {
-                s: less[s] + more[s] for s in (*self.estimates[name].parameters, "m") if s in more
+                s: less[s] + more[s] for s in (*found.estimates[name].parameters, "m") if s in more
             }
             shifts[what] = {s: (more[s] - less[s]) / both for s, both in own.items() if both}
         return shifts
 
-    @property
-    def pictures(self) -> dict[str, Picture]:
-        """loss : energy lost per cycle over the amplitude.   stiffness : the in-phase stiffness over it.   distribution
-        : of the sliders."""
-        of, fits = self.of_mode, {name: self.fits[name] for name in self.approaches}
-        count = f"{of.X.size} lines at {len(of.names)} levels"
+    def pictures(self, found: Result[Any]) -> dict[str, Picture]:
+        """Return the energy lost per cycle and the in-phase stiffness over the amplitude, and the sliders."""
+        from . import pictures as drawn  # slow to import
+
+        of, fits = self._of_mode(found), {name: self.fits[name] for name in found.approaches}
+        count = f"{of.X.size} lines at {len(of.names)} levels, and the laws with their bands"
+        loss = f"energy lost per cycle against amplitude: {count}"
+        stiffness = f"stiffness against amplitude: {count}"
+        distribution = "stiffness of the sliders against the amplitude at which each begins to slip"
         return {
-            "loss": Picture(
-                f"energy lost per cycle against amplitude: {count}, and the laws with their bands",
-                (of, fits),
-            ),
-            "stiffness": Picture(
-                f"stiffness against amplitude: {count}, and the laws with their bands", (of, fits)
-            ),
-            "distribution": Picture(
-                "stiffness of the sliders against the amplitude at which each begins to slip",
-                (fits,),
-            ),
+            "loss": Picture(loss, drawn.loss, (of, fits)),
+            "stiffness": Picture(stiffness, drawn.stiffness, (of, fits)),
+            "distribution": Picture(distribution, drawn.distribution, (fits,)),
         }
 
-    @property
-    def drawings(self) -> ModuleType:
-        """The module of these pictures."""
-        from . import pictures  # slow to import
 
-        return pictures
+def damping_at(found: Result[SteppedBasis], X: ArrayLike, frequency_hz: ArrayLike) -> pd.DataFrame:
+    """Return the equivalent damping ratio that a stepped sine implies at amplitudes, with its interval.
+
+        ζ(X) = W(X)/(2π m ω² X²)
+
+    W(X) is the energy that the identified law loses in a cycle. Use it to predict a decay, or in a linear model of
+    the structure at a known amplitude. Columns: X_m, damping_ratio, low and high; NaN beyond the amplitudes that
+    were measured, where nothing is known of the contact.
+
+    found : of a stepped sine.   X : amplitudes, m, (n,).   frequency_hz : at which the structure swings, Hz, (n,) or
+    one.
+    """
+    import pandas as pd  # slow to import
+
+    fit = found.basis.fits[found.answer.name]
+    X, frequency_hz = np.broadcast_arrays(np.atleast_1d(X).astype(float), frequency_hz)
+    omega, (low, high) = 2.0 * math.pi * frequency_hz, fit.X_range
+    measured = (low <= X) & (high >= X)
+    ratios = np.full((3, X.size), math.nan)
+    if measured.any():
+        size = 2.0 * math.pi * fit.values["m"] * (omega * X)[measured] ** 2
+        ratios[:, measured] = fit.loss(X[measured], omega[measured]) / size
+    columns = dict(zip(("damping_ratio", "low", "high"), ratios, strict=True))
+    return pd.DataFrame({"X_m": X, **columns})
 
 
 @with_options(SteppedSineOptions)
@@ -204,7 +193,7 @@ def identify_joint(
     *,
     mapping: MappingLike = None,
     **options: Unpack[SteppedSineOptions],
-) -> SteppedOutcome:
+) -> Result[SteppedBasis]:
     """Identify the contact and the damping of a joint from tables of a stepped sine: a line for each steady response,
     with its frequency, amplitudes and phase, at two levels of excitation at least, in one table or several.
 
@@ -268,9 +257,13 @@ def identify_joint(
         else []
         for name, fit in fits.items()
     }
-    said = [] if compared is None else [compared.finding()]
+    by_base = ~np.array([of.table.by_force for of in tables])[table_of]
+    check, *implied = [*([compared.finding()] if compared else []), *_rig(first, lines)]
     unknown = {FRICTION: math.inf, "K_z": math.inf}
-    found = SteppedOutcome(
+    unsure = compared is None and len(contacts) > 1
+    uncompared = [Finding("two levels", effect=unknown)] if unsure else []
+    found = Result(
+        basis=SteppedBasis(lines, table_of, fits, compared, by_base),
         k=first.values["k"],
         sources=tuple(table.name for table in tables),
         estimates={
@@ -278,26 +271,11 @@ def identify_joint(
             for name, fit in fits.items()
         },
         reference=None,
-        warnings=(
-            *(
-                [Finding("two levels", effect=unknown)]
-                if not compared and len(contacts) > 1
-                else []
-            ),
-            *_on_stuck(first),
-        ),
+        odd=(*uncompared, *_on_stuck(first)),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
-        rig=[
-            *said,
-            *_rig(first, lines),
-            *_counted(tables),
-        ],
+        rig=[*implied, *_counted(tables)],
+        check=[check],
         settings={"law": {"terms": law.terms, "given": law.given}, "confidence": CONFIDENCE},
-        lines=lines,
-        table_of=table_of,
-        fits=fits,
-        compared=compared,
-        by_base=~np.array([of.table.by_force for of in tables])[table_of],
         records=tuple(tables),
         options=of,
     )

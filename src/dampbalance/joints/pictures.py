@@ -12,22 +12,26 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..arrays import Array
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
+from ..records.coordinate import Coordinate
 from .fit import Band, ContactFit
 from .lines import SteppedLines
 
 
 @styled()
-def loss(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
+def loss(lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figure:
     """Return the energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and
     the law of each contact with its band of 95 %, at the median frequency."""
     omega = float(np.median(lines.omega))
     laws = {name: partial(fit.loss, omega=omega) for name, fit in fits.items()}
     look = {"yscale": "log", "ylabel": "energy lost per cycle, $W$ (mJ)"}
+    look["xlabel"] = f"amplitude, {coordinate.label('X', 'mm')}"
     return _against_amplitude(lines, math.pi * lines.X**2 * lines.Z.imag, fits, laws, 1e3, look)
 
 
 @styled()
-def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
+def stiffness(
+    lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordinate
+) -> Figure:
     """Return the stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with
     the mass m of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
     m, omega = next(iter(fits.values())).values["m"], float(np.median(lines.omega))
@@ -37,11 +41,13 @@ def stiffness(lines: SteppedLines, fits: Mapping[str, ContactFit]) -> Figure:
 
     laws = {name: partial(law, fit) for name, fit in fits.items()}
     of_lines = lines.Z.real + m * lines.omega**2
-    return _against_amplitude(lines, of_lines, fits, laws, 1e-3, {"ylabel": "stiffness (N/mm)"})
+    look = {"ylabel": f"stiffness ({coordinate.unit('N/mm')})"}
+    look["xlabel"] = f"amplitude, {coordinate.label('X', 'mm')}"
+    return _against_amplitude(lines, of_lines, fits, laws, 1e-3, look)
 
 
 @styled()
-def distribution(fits: Mapping[str, ContactFit]) -> Figure:
+def distribution(fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figure:
     """Return the stiffness of the sliders of each contact against the amplitude at which each begins to slip."""
     figure = page(DOUBLE_COLUMN, 82.0)
     axes = place(figure, 22.0, 20.0, 150.0, 56.0)
@@ -49,7 +55,9 @@ def distribution(fits: Mapping[str, ContactFit]) -> Figure:
         r, kappa = 1e3 * fit.r, 1e-3 * fit.kappa
         axes.vlines(r, 0.0, kappa, color=colour, linewidth=0.8)
         axes.plot(r, kappa, "o", color=colour, markersize=3.0, label=name)
-    axes.set(xscale="log", xlabel="slip onset $r$ (mm)", ylabel=r"stiffness $\kappa$ (N/mm)")
+    axes.set(xscale="log", xlabel=f"slip onset {coordinate.label('r', 'mm')}")
+    label = coordinate.label(r"\kappa", "N/mm")
+    axes.set_ylabel(f"stiffness {label}")
     axes.set_ylim(bottom=0.0)
     return explained(figure, [(axes, axes)], scale=1.0)
 
@@ -78,7 +86,7 @@ def _against_amplitude(
             1e3 * X, factor * of.low, factor * of.high, color=colour, alpha=0.25, lw=0
         )
         axes.plot(1e3 * X, factor * of.value, color=colour, label=name)
-    axes.set(xscale="log", xlabel="amplitude, $X$ (mm)", **look)
+    axes.set(xscale="log", **look)
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())

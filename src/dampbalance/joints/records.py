@@ -13,28 +13,28 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Array, Integers, ReadOnly
 from ..project.wording import listed, shortened, visible
-from ..records import readers
 from ..records.channel import ABSOLUTE, Channel
 from ..records.errors import RecordError
+from ..records.guess import Guesses, is_table_of_lines
 from ..records.headings import (
-    WORDS,
-    by_unit,
+    STANDARD_ERROR,
+    column_of,
     full_name,
-    names_time,
-    quantity_of,
+    last_part,
+    unit_of,
+    without_number,
     words_of,
 )
-from ..records.mapping import ChannelRule, MappingLike, RecordMapping, Which, mapping_for
+from ..records.mapping import ChannelRule, RecordMapping, Which
 from ..records.record import Record
-from ..records.table import RawChannel, Table
-from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, find_unit, table_factor
+from ..records.table import Table
+from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, table_factor
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,20 +42,6 @@ if TYPE_CHECKING:
 _ORDERS = {"force": 0, "length": 0, "velocity": 1, "acceleration": 2}
 _DRIVES = ("force", *(f"base_{motion}" for motion in ABSOLUTE))
 _RESPONSES = (*ABSOLUTE, *PER_FORCE)
-_ERROR = "_standard_error"
-
-WORDS_OF_TABLES = {
-    "frequency": ("frequency", "freq", "f", "frequenz", "omega", "ω"),
-    "phase": ("phase", "phi", "φ", "phasenwinkel", "phasenlage"),
-    "level": ("level", "stufe", "pegel", "niveau"),
-    "receptance": ("receptance", "compliance", "nachgiebigkeit"),
-    "mobility": ("mobility", "admittanz"),
-    "accelerance": ("accelerance", "inertance"),
-}
-"""Words of the heading of a column of a table, in lower case; those of amplitudes are those of a record."""
-
-_PASSED_OVER = {"amplitude", "amplitudes", "amp", "ampl", "magnitude", "mag", "abs", "peak", "rms"}
-_OF_ERRORS = {"standard", "error", "std", "deviation", "uncertainty"}
 _FEWEST = 3  # lines of a level
 _LARGEST = 1.0  # m, of a displacement
 _TURNS = 4.0 * math.pi  # rad: no phase that is counted on over several turns goes beyond it
@@ -175,21 +161,6 @@ def read_lines(
     return SteppedRecord(str(file.path), label=label, rules=rules, table=table)
 
 
-def recognised_as_table(path: Path, mapping: MappingLike) -> bool:
-    """Return whether `read_records` takes a file for a table of steady responses to a stepped sine."""
-    rules = mapping_for(path, mapping)
-    return is_table_of_lines(readers.table(path, rules), rules)
-
-
-def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
-    """Return whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and
-    none of times."""
-    if rules.table or rules.channels:
-        return bool(rules.table)
-    roles = {_role(raw) for raw in file.channels}
-    return {"frequency", "phase"} <= roles and not any(map(names_time, file.channels))
-
-
 def read_table(file: Table, rules: RecordMapping, label: str) -> SteppedTable:
     """Return the table in an open file, in SI units.
 
@@ -209,13 +180,16 @@ class _Table:
         self.file, self.rules = file, rules
         self.where = rules.source or f"{file.path}.yaml"
         self.columns: dict[str, dict[Place, int]] = {}
-        recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := _role(raw)))
+        recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := column_of(raw)))
         for role, i in self._named() if rules.table else recognised:
             group, _, number = _parts(file.channels[i].name)
             other = self.columns.setdefault(role, {}).setdefault((group, number), i)
             if other != i:
                 both = listed([shortened(full_name(file.channels[at])) for at in (other, i)])
-                raise self._error(f"{both} are both taken for {role}; say which in {self.where}")
+                draft = Guesses(file, rules, stepped=True).proposed("Say which is which")
+                raise self._error(f"{both} are both taken for {role}. {draft}")
+        for role in [q for q in self.columns if q.removesuffix(STANDARD_ERROR) not in self.columns]:
+            del self.columns[role]
         answers = [q for q in _RESPONSES if q in self.columns]
         per_force = bool({*answers} & {*PER_FORCE})
         drives = [q for q in _DRIVES[: 1 if per_force else None] if q in self.columns]
@@ -228,11 +202,10 @@ class _Table:
         needed[f"a response ({', '.join(_RESPONSES)})"] = answers
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            held = ", ".join(shortened(full_name(raw)) for raw in file.channels[:20])
+            guesses = Guesses(file, rules, stepped=True)
             raise self._error(
-                f"finds {listed(wrong)}; a table has one of each. Its columns are {held}. Say which is which in "
-                f"{self.where}, for example\n  table:\n    frequency: {{channel: 1, unit: Hz}}\n    force: {{channel: "
-                "2, unit: N}\n    acceleration: {channel: 3, unit: m/s²}\n    phase: {channel: 4, unit: deg}"
+                f"finds {listed(wrong)}; a table has one of each. Its columns are {guesses.overview}. "
+                + guesses.proposed("Say which is which")
             )
         self.drive, self.answer = drives[0], answers[0]
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
@@ -245,7 +218,10 @@ class _Table:
     def _named(self) -> Iterator[tuple[str, int]]:
         """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
         for quantity, rule in self.rules.table.items():
-            for role, which in ((quantity, rule.channel), (quantity + _ERROR, rule.standard_error)):
+            for role, which in (
+                (quantity, rule.channel),
+                (quantity + STANDARD_ERROR, rule.standard_error),
+            ):
                 yield from ((role, i) for i in self._matching(which, role))
 
     def _matching(self, which: Which | None, role: str) -> list[int]:
@@ -253,9 +229,9 @@ class _Table:
         if which is None or (isinstance(which, int) and which <= len(channels)):
             return [] if which is None else [which - 1]
         spelt = [{raw.name, full_name(raw), raw.label} for raw in channels]
-        without_number = [{re.sub(r"\[\d+\]$", "", raw.name)} for raw in channels]
+        of_matrices = [{without_number(raw.name)} for raw in channels]
         alone = [{_parts(raw.name)[1]} for raw in channels]
-        for names in (spelt, without_number, alone):
+        for names in (spelt, of_matrices, alone):
             if found := [i for i, own in enumerate(names) if which in own]:
                 return found
         held = ", ".join(shortened(full_name(raw)) for raw in channels[:20])
@@ -265,20 +241,21 @@ class _Table:
 
     def _factor(self, role: str) -> float:
         """Return SI units per unit of a column; of a standard error those of its quantity."""
-        quantity = role.removesuffix(_ERROR)
+        quantity = role.removesuffix(STANDARD_ERROR)
         rule = self.rules.table.get(quantity, ChannelRule(1))
         raw = self.file.channels[next(iter(self.columns[quantity].values()))]
-        words = {*words_of(raw.name)}
-        text = rule.unit or raw.unit or ("rad/s" if words & {"omega", "ω"} else None)
+        text = rule.unit or unit_of(raw)
         try:
             if text is None:
                 raise UnitError(f"has no unit: state it at table.{quantity}.unit in {self.where}")
             factor = rule.scale * table_factor(text, quantity)
         except UnitError as error:
-            raise self._error(f"column {shortened(raw.name)}: {error}") from None
+            draft = Guesses(self.file, self.rules, stepped=True)
+            remedy = "" if self.rules.table else f". {draft.proposed('Say what it is')}"
+            raise self._error(f"column {shortened(raw.name)}: {error}{remedy}") from None
         if quantity == "frequency":
             return 2.0 * math.pi * factor
-        return math.sqrt(2.0) * factor if "rms" in words else factor
+        return math.sqrt(2.0) * factor if "rms" in words_of(raw.name) else factor
 
     def read(self, label: str) -> SteppedTable:
         """Return the table, with the lag φ of the displacement in each line."""
@@ -361,10 +338,12 @@ class _Table:
                 at,
             )
         squares = [
-            (si[q + _ERROR] / si[q]) ** 2 for q in (self.drive, self.answer) if q + _ERROR in si
+            (si[q + STANDARD_ERROR] / si[q]) ** 2
+            for q in (self.drive, self.answer)
+            if q + STANDARD_ERROR in si
         ]
         both = [np.sum(squares, axis=0)] if squares else []
-        both += [si[q] ** 2 for q in si if q == "phase" + _ERROR]
+        both += [si[q] ** 2 for q in si if q == "phase" + STANDARD_ERROR]
         error = np.sqrt(np.mean(both, axis=0)) if both else None
         return SteppedLevel(name, omega, Y, X, si["phase"], error, rows)
 
@@ -411,31 +390,11 @@ def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> f
     return total
 
 
-def _role(raw: RawChannel) -> str | None:
-    """Return the quantity of a column of a table, by heading and unit; None where neither says it."""
-    words = [word for word in words_of(raw.name) if not word.isdigit()]
-    ending = _ERROR if {*words} & {"error", "std", "uncertainty"} else ""
-    words = [word for word in words if word not in _PASSED_OVER | _OF_ERRORS]
-    unit = find_unit(raw.unit or "")
-    for role, known in WORDS_OF_TABLES.items():
-        own = unit is None or role in PER_FORCE or unit.dimension == TABLE_DIMENSIONS[role]
-        if own and {*words} & {*known}:
-            return role + ending
-    base = [word for word in words if word in WORDS["base"]]
-    rest = replace(raw, name=" ".join(word for word in words if word not in base))
-    quantity = quantity_of(rest) if rest.name else by_unit(rest)
-    if quantity is None and len(rest.name) == 1:
-        quantity = by_unit(rest)  # F [N], A [g]
-    if quantity in ABSOLUTE and base:
-        quantity = f"base_{quantity}"
-    return f"{quantity}{ending}" if quantity in TABLE_DIMENSIONS else None
-
-
 def _parts(name: str) -> tuple[str, str, int]:
     """Group, name and number of a column: "a.b.force[2]" is the second force in a.b."""
     match = re.fullmatch(r"(.*?)(?:\[(\d+)\])?", name)
     assert match is not None
-    last = re.split(r"[/.](?=[^/.])", match[1])[-1]
+    last = last_part(match[1])
     return match[1].removesuffix(last).rstrip("/."), last, int(match[2] or 0)
 
 

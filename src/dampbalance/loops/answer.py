@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
@@ -28,9 +26,9 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.identified import Identified, Picture
 from ..identification.level import Level
 from ..identification.request import read_request
+from ..identification.result import Picture, Result
 from ..identification.sensitivities import Fault
 from ..identification.stated import with_stated_uncertainties
 from ..law.terms import FRICTION
@@ -79,9 +77,9 @@ MOST_SAMPLES = 60_000
 _COMPARED = {"one slider": "one slider predicts", "gradual": "many sliders predict"}
 
 
-@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class LoopOutcome(Identified):
-    """The answers to measured loops, and all that they come from.
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopBasis:
+    """What the answers to measured loops rest on.
 
     loops : of all records.   fits : of each contact, by name, the one to use first.   normal_force : N, with its
     standard uncertainty; None where it was not given.
@@ -91,94 +89,12 @@ class LoopOutcome(Identified):
     fits: Mapping[str, LoopFit]
     normal_force: tuple[float, float] | None
 
-    kind: ClassVar[Mapping[str, str]] = {"kind": "loops"}
+    kind: ClassVar[str] = "loops"
     mass_tests: ClassVar[bool] = False
 
-    @property
-    def fit(self) -> LoopFit:
-        """The fit of the answer."""
-        return self.fits[next(iter(self.approaches))]
-
-    @property
-    def law(self) -> dict[str, float]:
-        """F_k, K_z and c, as `Oscillator` takes them: the response of an oscillator of mass m on a spring k with this
-        contact is `steady_orbit(Oscillator(m=m, k=k, **found.law), motion)`. A c that is not known, or may not be
-        positive, is zero."""
-        c = self.values.get("c", 0.0)
-        return {
-            "F_k": self.values["F_k"],
-            "K_z": self.values["K_z"],
-            "c": max(c, 0.0) if c == c else 0.0,
-        }
-
-    @property
-    def sliders(self) -> dict[str, Array]:
-        """The contact as `sliders_orbit` takes it where it yields gradually or its knee is rounded, r (m) and κ (N/m):
-        `sliders_orbit(Oscillator(m=m, k=k, K_z=1.0, F_k=0.0, c=found.law["c"]), motion, **found.sliders)`."""
-        fit = self.fit if math.isinf(self.fit.contact.n) else self.fits["gradual"]
-        own = fit.contact.kappa > 0.0
-        return {"r": fit.contact.r[own], "kappa": fit.contact.kappa[own]}
-
-    @property
-    def friction_coefficient(self) -> tuple[float, Interval]:
-        """μ = F_k/N and its interval of 95 %; NaN without a normal force."""
-        if self.normal_force is None:
-            return math.nan, Interval(math.nan, math.nan)
-        (N, error), F = self.normal_force, self.answer.parameters[FRICTION]
-        mu, of_N = F.value / N, self.answer.parameters[FRICTION].value / N * error / N
-        scaled = ParameterEstimate(
-            mu, F.standard_error / N, Interval(F.interval.low / N, F.interval.high / N)
-        )
-        return mu, scaled.wider(of_N).interval
-
-    def history(self) -> pd.DataFrame:
-        """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
-        stiffness of the contact, mean force, the viscous damper and the spring that would do the same, and the way
-        travelled so far. Use it to see running-in, wear and heating.
-
-        F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles; NaN for a cycle that is
-        not closed, as between two levels. K_z comes from the residual in the cycle: one step of Gauss and Newton in
-        size and width of the contact.
-        """
-        return self._history.copy()
-
-    @cached_property
-    def _history(self) -> pd.DataFrame:
-        import pandas as pd  # slow to import
-
-        tables = []
-        for loop, drift in zip(self.loops, self.fit.drifts.tolist(), strict=True):
-            a, b, W = row_of(loop, self.fit)
-            per_load = np.where((a > 0.0) & loop.closed, a / loop.load, np.nan)
-            F = (W - self.law["c"] * b) / per_load
-            x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
-            stiffness = loop.means(f * x) / loop.means(x**2)
-            K_z = self.fit.values["K_z"] * self._stiffer(loop, drift)
-            columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
-            columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F}
-            columns |= {"K_z_N_per_m": K_z, "mean_force_N": loop.means(loop.f)}
-            columns |= {"equivalent_damping_N_s_per_m": W / b}
-            columns |= {"equivalent_stiffness_N_per_m": stiffness}
-            if loop.N is not None:
-                N = loop.means(loop.N)
-                columns |= {"normal_force_N": N, "friction_coefficient": F / N}
-            tables.append(pd.DataFrame(columns).assign(travel_m=4.0 * np.cumsum(loop.amplitudes)))
-        return pd.concat(tables, ignore_index=True)
-
-    @one_thread
-    def _stiffer(self, loop: Loop, drift: float) -> Array:
-        """Return K_z of each cycle over that of all.   drift : of the force, N/s."""
-        contact = self.fit.contact
-        share = contact.share(loop)
-        wider = (replace(contact, r=contact.r * (1.0 + _WIDER)).share(loop) - share) / _WIDER
-        A = np.array([share, wider, np.ones(share.size)])[:, loop.own].T
-        left = self.fit.residual(loop, drift)[loop.own]
-        moved = [np.linalg.lstsq(A[own], left[own])[0] for own in loop.slices]
-        return np.array([1.0 + (F - width) / contact.F_k for F, width, _ in moved])
-
-    def findings(self) -> dict[str, Any]:
+    def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return what the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
-        mu, interval = self.friction_coefficient
+        mu, interval = friction_coefficient(found)
         return {
             "contacts": {
                 name: {
@@ -190,25 +106,18 @@ class LoopOutcome(Identified):
             },
             "friction_coefficient": mu,
             "friction_coefficient_interval": interval,
-            "history": self.history().to_dict("list"),
+            "history": history(found).to_dict("list"),
             "records": [
                 {"record": loop.name, "cycles": loop.cycles, "force_sign_changed": loop.flipped}
                 for loop in self.loops
             ],
         }
 
-    @property
-    def check(self) -> str:
-        """Sentences on which contact predicts cycles better, and on the friction coefficient where it is known."""
-        codes = (*_COMPARED.values(), "taken for loops", "friction coefficient")
-        return " ".join(self.in_sentences([one for one in self.rig if one.code in codes]))
-
-    @property
-    def levels(self) -> list[Level]:
-        """The mean cycle of each amplitude in each record."""
-        levels, c = [], self.law["c"]
+    def levels(self, found: Result[Any]) -> list[Level]:
+        """Return the mean cycle of each amplitude in each record."""
+        levels, c = [], contact(found)["c"]
         for loop in self.loops:
-            X, (_, b, W) = loop.amplitudes, row_of(loop, self.fit)
+            X, (_, b, W) = loop.amplitudes, row_of(loop, self.fits[found.answer.name])
             steps = np.round(np.log(X / X.max()) / _SAME_LEVEL)
             samples = np.bincount(loop.cycle[loop.own])
             for step in np.unique(steps):
@@ -220,7 +129,9 @@ class LoopOutcome(Identified):
                 levels.append(Level(loop.name, *of))
         return levels
 
-    def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
+    def shifts(
+        self, found: Result[Any], faults: Mapping[str, Fault], name: str
+    ) -> dict[str, dict[str, float]]:
         """Return the changes of an answer with faults of gain and timing: all are in proportion to the force, c and K_z
         inversely so to the displacement; a displacement that is late is fitted again."""
         fit, shifts = self.fits[name], {}
@@ -233,28 +144,106 @@ class LoopOutcome(Identified):
                 - 1.0
                 + fault.drive
                 - fault.response * (s != FRICTION)
-                for s in self.estimates[name].parameters
+                for s in found.estimates[name].parameters
                 if fit.values.get(s)
             }
         return shifts
 
-    @property
-    def pictures(self) -> dict[str, Picture]:
-        """loops : force over displacement with the model, and its residual.   loss : against the amplitude, with band.
-        history : friction force and stiffness of each cycle."""
-        words = f"force against displacement of {listed([loop.name for loop in self.loops])}"
+    def pictures(self, found: Result[Any]) -> dict[str, Picture]:
+        """Return force over displacement with the model, the loss against the amplitude, and the history of the
+        cycles."""
+        from . import pictures as drawn  # slow to import
+
+        fit, noun = self.fits[found.answer.name], found.coordinate.noun
+        names, force = listed([loop.name for loop in self.loops]), noun("force")
+        loops = f"{force} against {noun('displacement')} of {names}, and the contact fitted"
+        loss, cycles = "energy lost per cycle against the amplitude", history(found)
         return {
-            "loops": Picture(f"{words}, and the contact fitted", (self.fit.design.loops, self.fit)),
-            "loss": Picture("energy lost per cycle against the amplitude", (self.loops, self.fit)),
-            "history": Picture("friction force and stiffness of each cycle", (self.history(),)),
+            "loops": Picture(loops, drawn.loops, (fit.design.loops, fit)),
+            "loss": Picture(loss, drawn.loss, (self.loops, fit)),
+            "history": Picture(
+                f"friction {force} and stiffness of each cycle", drawn.history, (cycles,)
+            ),
         }
 
-    @property
-    def drawings(self) -> ModuleType:
-        """The module of these pictures."""
-        from . import pictures  # slow to import
 
-        return pictures
+def contact(found: Result[LoopBasis]) -> dict[str, float]:
+    """Return F_k, K_z and c of measured loops, as `Oscillator` takes them: the response of an oscillator of mass m on a
+    spring k with this contact is `steady_orbit(Oscillator(m=m, k=k, **contact(found)), motion)`. A c that is not known,
+    or may not be positive, is zero."""
+    c = found.values.get("c", 0.0)
+    return {
+        "F_k": found.values["F_k"],
+        "K_z": found.values["K_z"],
+        "c": max(c, 0.0) if c == c else 0.0,
+    }
+
+
+def sliders(found: Result[LoopBasis]) -> dict[str, Array]:
+    """Return the contact of measured loops as `sliders_orbit` takes it where it yields gradually or its knee is
+    rounded, r (m) and κ (N/m):
+
+        sliders_orbit(Oscillator(m=m, k=k, K_z=1.0, F_k=0.0, c=contact(found)["c"]), motion, **sliders(found))
+    """
+    fits = found.basis.fits
+    fit = fits[found.answer.name]
+    fit = fit if math.isinf(fit.contact.n) else fits["gradual"]
+    own = fit.contact.kappa > 0.0
+    return {"r": fit.contact.r[own], "kappa": fit.contact.kappa[own]}
+
+
+def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
+    """Return μ = F_k/N of measured loops and its interval of 95 %; NaN without a normal force."""
+    if found.basis.normal_force is None:
+        return math.nan, Interval(math.nan, math.nan)
+    (N, error), F = found.basis.normal_force, found.answer.parameters[FRICTION]
+    mu, of_N = F.value / N, F.value / N * error / N
+    scaled = ParameterEstimate(
+        mu, F.standard_error / N, Interval(F.interval.low / N, F.interval.high / N)
+    )
+    return mu, scaled.wider(of_N).interval
+
+
+def history(found: Result[LoopBasis]) -> pd.DataFrame:
+    """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
+    stiffness of the contact, mean force, the viscous damper and the spring that would do the same, and the way
+    travelled so far. Use it to see running-in, wear and heating.
+
+    F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles; NaN for a cycle that is
+    not closed, as between two levels. K_z comes from the residual in the cycle: one step of Gauss and Newton in
+    size and width of the contact.
+    """
+    import pandas as pd  # slow to import
+
+    fit, c, tables = found.basis.fits[found.answer.name], contact(found)["c"], []
+    for loop, drift in zip(found.basis.loops, fit.drifts.tolist(), strict=True):
+        a, b, W = row_of(loop, fit)
+        per_load = np.where((a > 0.0) & loop.closed, a / loop.load, np.nan)
+        F = (W - c * b) / per_load
+        x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
+        stiffness = loop.means(f * x) / loop.means(x**2)
+        K_z = fit.values["K_z"] * _stiffer(fit, loop, drift)
+        columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
+        columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F}
+        columns |= {"K_z_N_per_m": K_z, "mean_force_N": loop.means(loop.f)}
+        columns |= {"equivalent_damping_N_s_per_m": W / b}
+        columns |= {"equivalent_stiffness_N_per_m": stiffness}
+        if loop.N is not None:
+            N = loop.means(loop.N)
+            columns |= {"normal_force_N": N, "friction_coefficient": F / N}
+        tables.append(pd.DataFrame(columns).assign(travel_m=4.0 * np.cumsum(loop.amplitudes)))
+    return pd.concat(tables, ignore_index=True)
+
+
+@one_thread
+def _stiffer(fit: LoopFit, loop: Loop, drift: float) -> Array:
+    """Return K_z of each cycle over that of all.   drift : of the force, N/s."""
+    share = fit.contact.share(loop)
+    wider = replace(fit.contact, r=fit.contact.r * (1.0 + _WIDER)).share(loop)
+    A = np.array([share, (wider - share) / _WIDER, np.ones(share.size)])[:, loop.own].T
+    left = fit.residual(loop, drift)[loop.own]
+    moved = [np.linalg.lstsq(A[own], left[own])[0] for own in loop.slices]
+    return np.array([1.0 + (F - width) / fit.contact.F_k for F, width, _ in moved])
 
 
 @with_options(LoopOptions)
@@ -264,7 +253,7 @@ def identify_loops(
     *,
     mapping: MappingLike = None,
     **options: Unpack[LoopOptions],
-) -> LoopOutcome:
+) -> Result[LoopBasis]:
     """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement: a record of five
     cycles or more of any periodic motion, or several at other amplitudes and speeds.
 
@@ -304,32 +293,29 @@ def identify_loops(
         fits = _fits(loops, share, backlash)
     scatter = float(np.std(forces, ddof=1)) if len(loops) > 1 else 0.0
     first = next(iter(fits.values()))
-    found = LoopOutcome(
+    found = Result(
+        basis=LoopBasis(loops, fits, normal),
         k=math.nan,
         sources=tuple(record.name for record in read),
         estimates={name: _answer(name, fit, loops, fits, scatter) for name, fit in fits.items()},
         reference=None,
-        warnings=(*odd, *_warned(first, loops)),
+        odd=(*odd, *_warned(first, loops)),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
             f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
         ),
-        rig=[
-            Finding(_COMPARED[next(iter(fits))]),
-            *_rig(first, loops, normal),
-        ],
+        rig=[*_rig(first, loops, normal)],
+        check=[Finding(_COMPARED[next(iter(fits))])],
         settings={"confidence": CONFIDENCE},
         records=tuple(read),
         options=of,
-        loops=loops,
-        fits=fits,
-        normal_force=normal,
     )
     found = with_stated_uncertainties(found)
-    mu, (low, high) = found.friction_coefficient
+    if normal is None:
+        return found
+    mu, (low, high) = friction_coefficient(found)
     of = {"mu": (mu, 0.5 * (high - low))}
-    said = [] if math.isnan(mu) else [Finding("friction coefficient", of)]
-    return replace(found, rig=[*found.rig, *said])
+    return replace(found, check=[*(found.check or ()), Finding("friction coefficient", of)])
 
 
 def _fits(loops: Sequence[Loop], share: float, backlash: bool) -> dict[str, LoopFit]:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from scipy.stats import t as student
 
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
+from ..records.coordinate import Coordinate
 from .cycles import Loop
 from .fit import LoopFit
 
@@ -23,7 +24,7 @@ _COLOURS = (SLIP, STICK, "0.3", "0.6")  # of records, in turn
 
 
 @styled()
-def loops(loops: Sequence[Loop], fit: LoopFit) -> Figure:
+def loops(loops: Sequence[Loop], fit: LoopFit, of: Coordinate) -> Figure:
     """Return the force against displacement: samples (grey), and the contact fitted to each record, at its median
     amplitude; below, the residual of that cycle."""
     figure = page(DOUBLE_COLUMN, 122.0)
@@ -36,13 +37,15 @@ def loops(loops: Sequence[Loop], fit: LoopFit) -> Figure:
         typical = loop.cycle[own] == np.argsort(loop.amplitudes)[loop.cycles // 2]
         axes.plot(x[typical], model[typical], color=SLIP, label=labels[1])
         below.plot(x[typical], (f - model)[typical], color=SLIP, linewidth=0.6)
-    axes.set(ylabel="force (N)", xticklabels=[])
-    below.set(xlabel="displacement (mm)", ylabel="residual (N)", xlim=axes.get_xlim())
+    N, mm = map(of.unit, ("N", "mm"))
+    axes.set(ylabel=f"{of.noun('force')} ({N})", xticklabels=[])
+    below.set(xlabel=f"{of.noun('displacement')} ({mm})", ylabel=f"residual ({N})")
+    below.set(xlim=axes.get_xlim())
     return explained(figure, [(axes, axes)], scale=1.0)
 
 
 @styled()
-def loss(loops: Sequence[Loop], fit: LoopFit) -> Figure:
+def loss(loops: Sequence[Loop], fit: LoopFit, of: Coordinate) -> Figure:
     """Return the energy lost per cycle against the amplitude: each cycle (dots), and the contact fitted, with its band
     of 95 %, for a motion like that of each record."""
     figure = page(DOUBLE_COLUMN, 82.0)
@@ -57,19 +60,21 @@ def loss(loops: Sequence[Loop], fit: LoopFit) -> Figure:
         axes.plot(1e3 * X, size * W, color=colour, label=Path(loop.name).name)
         band = size * (W - reach * error), size * (W + reach * error)
         axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
-    axes.set(xlabel="amplitude, $X$ (mm)", ylabel=f"energy lost per cycle, $W$ ({unit})")
+    axes.set(
+        xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=f"energy lost per cycle, $W$ ({unit})"
+    )
     axes.set(xlim=(0.0, None), ylim=(0.0, None))
     return explained(figure, [(axes, axes)], scale=1.0)
 
 
 @styled()
-def history(table: pd.DataFrame) -> Figure:
+def history(table: pd.DataFrame, of: Coordinate) -> Figure:
     """Return the friction force that makes up for the loss of each cycle, and stiffness of the contact in it, against
     the number of the cycle."""
     figure = page(DOUBLE_COLUMN, 118.0)
     for bottom, column, size, label in (
-        (72.0, "F_k_N", 1.0, "friction force, $F_k$ (N)"),
-        (20.0, "K_z_N_per_m", 1e-3, "stiffness, $K_z$ (N/mm)"),
+        (72.0, "F_k_N", 1.0, f"friction {of.noun('force')}, {of.label('F_k', 'N')}"),
+        (20.0, "K_z_N_per_m", 1e-3, f"stiffness, {of.label('K_z', 'N/mm')}"),
     ):
         axes = place(figure, 22.0, bottom, 150.0, 40.0)
         records = table.groupby("record", sort=False)

@@ -8,11 +8,21 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Container
+from dataclasses import replace
 
 from .channel import ABSOLUTE, EXCITATIONS
 from .coordinate import TRANSLATION, Coordinate
 from .table import RawChannel
-from .units import DIMENSIONS, VOLTAGE, find_motion, find_other, find_unit
+from .units import (
+    DIMENSIONS,
+    PER_FORCE,
+    TABLE_DIMENSIONS,
+    VOLTAGE,
+    find_motion,
+    find_other,
+    find_unit,
+)
 
 WORDS: dict[str, tuple[str, ...]] = {
     "displacement": (
@@ -37,6 +47,19 @@ WORDS: dict[str, tuple[str, ...]] = {
 """Words by which a channel is recognised, in lower case: quantities, then what moves, and against what. "in" counts at
 the end of a heading alone."""
 
+WORDS_OF_TABLES = {
+    "frequency": ("frequency", "freq", "f", "frequenz", "omega", "ω"),
+    "phase": ("phase", "phi", "φ", "phasenwinkel", "phasenlage"),
+    "level": ("level", "stufe", "pegel", "niveau"),
+    "receptance": ("receptance", "compliance", "nachgiebigkeit"),
+    "mobility": ("mobility", "admittanz"),
+    "accelerance": ("accelerance", "inertance"),
+}
+"""Words of the heading of a column of a table of steady responses; those of amplitudes are those of a record."""
+
+STANDARD_ERROR = "_standard_error"
+"""What the name of a quantity ends in, for the column of a table that holds its standard error."""
+
 TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
 """Words of a heading that make a channel a temperature, which is left aside."""
 
@@ -48,6 +71,18 @@ _HINTS = {"reference": "base"} | dict.fromkeys(
 _NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
 _PASSED_OVER = "angular"  # the unit shows that a velocity is angular
 _BODIES = ("base", "mass", "relative")
+_OF_AMPLITUDES = {
+    "amplitude",
+    "amplitudes",
+    "amp",
+    "ampl",
+    "magnitude",
+    "mag",
+    "abs",
+    "peak",
+    "rms",
+}
+_OF_ERRORS = {"standard", "error", "std", "deviation", "uncertainty"}
 _SHORTEST = 3  # letters of a word that may be part of another
 _TIME = re.compile(
     r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
@@ -59,9 +94,19 @@ _SECONDS = re.compile(
 _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
+def last_part(name: str) -> str:
+    """Return the last part of a path of groups or structures."""
+    return re.split(r"[/.](?=[^/.])", name.strip())[-1].strip()
+
+
+def without_number(name: str) -> str:
+    """Return a name without the number of a column of a matrix, force of force[2]."""
+    return re.sub(r"\[\d+\]$", "", name)
+
+
 def key_of(name: str) -> str:
     """Return the last part of a path, in lower case, with "_" for what separates words."""
-    return re.sub(r"[\s\-]+", "_", re.split(r"[/.](?=[^/.])", name.strip())[-1].strip().lower())
+    return re.sub(r"[\s\-]+", "_", last_part(name).lower())
 
 
 def names_time(raw: RawChannel) -> bool:
@@ -83,7 +128,9 @@ def full_name(raw: RawChannel) -> str:
 
 def unit_of(raw: RawChannel) -> str | None:
     """Return the unit of a channel as the file spells it, or as its name implies; None for none."""
-    return raw.unit or ("s" if _SECONDS.fullmatch(key_of(raw.name)) else None)
+    if raw.unit or not _SECONDS.fullmatch(key_of(raw.name)):
+        return raw.unit or ("rad/s" if {*words_of(raw.name)} & {"omega", "ω"} else None)
+    return "s"
 
 
 def unusable(raw: RawChannel) -> str | None:
@@ -94,12 +141,14 @@ def unusable(raw: RawChannel) -> str | None:
     return None if other == VOLTAGE else other
 
 
-def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
+def quantity_of(
+    raw: RawChannel, *, all_words: bool = True, among: Container[str] = DIMENSIONS
+) -> str | None:
     """Return the quantity that the heading of a channel names; None where it does not, or names several.
 
     all_words : whether every word must be known, so that nothing is guessed. Otherwise unknown words are passed over,
     single letters (of a direction) with them; base and mass together are a relative motion, and a body alone moves by
-    a displacement.
+    a displacement.   among : the quantities that are looked for.
     """
     words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
     if {*words} & {*_NORMAL} and by_unit(raw) == "force":
@@ -120,7 +169,26 @@ def quantity_of(raw: RawChannel, *, all_words: bool = True) -> str | None:
     if body == "base" and quantity in ("force", "base_displacement"):
         return quantity
     named = quantity if body in ("", "mass") else f"{body}_{quantity}"
-    return named if named in DIMENSIONS and (body, named) != ("mass", "force") else None
+    return named if named in among and (body, named) != ("mass", "force") else None
+
+
+def column_of(raw: RawChannel) -> str | None:
+    """Return the quantity of a column of a table of steady responses, or that of which it is the standard error, by
+    heading and unit; None where neither says it."""
+    words = [word for word in words_of(raw.name) if not word.isdigit()]
+    ending = STANDARD_ERROR if {*words} & _OF_ERRORS else ""
+    unit = find_unit(raw.unit or "")
+    for quantity, known in WORDS_OF_TABLES.items():
+        fits = not unit or quantity in PER_FORCE or unit.dimension == TABLE_DIMENSIONS[quantity]
+        if fits and {*words} & {*known}:
+            return quantity + ending
+    words = [w for w in words if w not in _OF_AMPLITUDES | _OF_ERRORS]
+    words = [w for w in words if len(w) > 1 or w in _MEANINGS]  # F [N], A [g]
+    if unit and unit.dimension == TABLE_DIMENSIONS["phase"]:
+        return None if words else f"phase{ending}"
+    named = replace(raw, name=" ".join(words))
+    amplitude = quantity_of(named, among=TABLE_DIMENSIONS) if words else by_unit(raw)
+    return amplitude and amplitude + ending
 
 
 def by_unit(raw: RawChannel) -> str | None:
@@ -139,7 +207,7 @@ def coordinate_of(raw: RawChannel) -> Coordinate:
 
 def words_of(name: str) -> list[str]:
     """Return the words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
-    name = unicodedata.normalize("NFC", re.split(r"[/.](?=[^/.])", name.strip())[-1])
+    name = unicodedata.normalize("NFC", last_part(name))
     spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
     words: list[str] = []
     spaced = spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")

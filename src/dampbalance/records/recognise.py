@@ -25,11 +25,10 @@ from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sa
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
+from .guess import LISTED, Guesses, first_of
 from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
 from .mapping import ChannelRule, RecordMapping, Which
-from .proposal import Proposal, proposed, unclear
 from .record import Record
-from .roles import LISTED, Roles, first_of
 from .table import RawChannel, Table
 from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
 
@@ -100,105 +99,109 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
     time, a unit that does not fit; channels that cannot be distinguished, with the mapping to write.
     """
-    roles = Roles(file, mapping)
+    guesses = Guesses(file, mapping)
     rules: Mapping[str, ChannelRule] = mapping.channels
     if rules:
         chosen = {
-            q: _find(roles, rule.channel, f"channels.{q}.channel") for q, rule in rules.items()
+            q: _find(guesses, rule.channel, f"channels.{q}.channel") for q, rule in rules.items()
         }
     else:
-        chosen, twice = roles.by_names
-        if twice:
-            raise unclear(roles, twice)
+        chosen, competing = guesses.certain
+        if competing:
+            raise guesses.unclear(competing)
         if mapping.free:
             # a possible excitation with a known unit is read as well, to see that it stands still
-            moving = [q for q in EXCITATIONS if q in chosen and by_unit(roles.channels[chosen[q]])]
+            moving = [
+                q for q in EXCITATIONS if q in chosen and by_unit(guesses.channels[chosen[q]])
+            ]
             chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
-        raise unclear(roles, f"finds {' and '.join(driving)}")
+        raise guesses.unclear(f"finds {' and '.join(driving)}")
     # a channel without a name may be the excitation: only without such a channel is the record a free decay
     known = mapping.channels or mapping.free
-    unnamed = answering and not known and roles.spare(chosen.values())
+    unnamed = answering and not known and guesses.spare(chosen.values())
     if entire and not driving and (unnamed or not answering):
-        raise unclear(roles, "finds no excitation")
+        raise guesses.unclear("finds no excitation")
     if entire and not answering:
-        raise unclear(roles, "finds no response")
-    picks = tuple(_pick(roles, q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
+        raise guesses.unclear("finds no response")
+    picks = tuple(_pick(guesses, q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
-        roles.require_one_coordinate([*chosen.values()])
-        for guess in _guesses(roles, picks):
-            warnings.warn(RecordWarning(f"{roles.path}: {guess}"), stacklevel=2)
+        guesses.require_one_coordinate([*chosen.values()])
+        for guess in _guesses(guesses, picks):
+            warnings.warn(RecordWarning(f"{guesses.path}: {guess}"), stacklevel=2)
     return picks
 
 
-def _pick(roles: Roles, quantity: str, index: int, rule: ChannelRule) -> Pick:
+def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pick:
     """Return the pick of a channel with the times that the mapping or the file gives it."""
-    raw = roles.channels[index]
+    raw = guesses.channels[index]
     if raw.stamps:
         raise RecordError(
-            f"{roles.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
+            f"{guesses.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
         )
-    coordinate = rule.coordinate if roles.mapping.channels else coordinate_of(raw)
-    factor = rule.sign * rule.scale * _unit(roles, raw, rule.unit, coordinate.key(quantity))
+    coordinate = rule.coordinate if guesses.mapping.channels else coordinate_of(raw)
+    factor = rule.sign * rule.scale * _unit(guesses, raw, rule.unit, coordinate.key(quantity))
     pick = Pick(
         *(quantity, index, raw.name, factor), correction=rule.correction, coordinate=coordinate
     )
-    if roles.mapping.sample_rate_hz is not None:
-        return replace(pick, rate_hz=roles.mapping.sample_rate_hz)
+    if guesses.mapping.sample_rate_hz is not None:
+        return replace(pick, rate_hz=guesses.mapping.sample_rate_hz)
     which, key = rule.time, f"channels.{quantity}.time"
     if which is None:
-        which, key = roles.mapping.time, "time.channel"
-    time = roles.time_of(index) if which is None else _find(roles, which, key)
+        which, key = guesses.mapping.time, "time.channel"
+    time = guesses.time_of(index) if which is None else _find(guesses, which, key)
     if time == index:
-        raise RecordError(f"{roles.path}: channel {raw.name!r} cannot be its own time")
+        raise RecordError(f"{guesses.path}: channel {raw.name!r} cannot be its own time")
     if time is not None:
-        seconds = _unit(roles, roles.channels[time], roles.mapping.time_unit, "time")
+        seconds = _unit(guesses, guesses.channels[time], guesses.mapping.time_unit, "time")
         return replace(pick, time=time, time_factor=seconds)
     if raw.fault:
         raise RecordError(raw.fault)
     if raw.rate_hz is not None:
         return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
     raise RecordError(
-        f"{roles.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
-        f"no sampling rate. {proposed(roles, 'Say when it was sampled')}"
+        f"{guesses.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
+        f"no sampling rate. {guesses.proposed('Say when it was sampled')}"
     )
 
 
-def _guesses(roles: Roles, picks: Sequence[Pick]) -> Iterator[str]:
+def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
     """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
     signals as long as those read that no name distinguished; a displacement or velocity that only its unit shows, which
     may be that against a base that moves."""
-    names = [shortened(full_name(raw)) for raw in roles.channels]
-    for axis in (i for i, why in roles.axes.items() if not why):
+    names = [shortened(full_name(raw)) for raw in guesses.channels]
+    for axis in (i for i, why in guesses.axes.items() if not why):
         use = "is used as the acceleration of the mass, as it is the axis with the most motion"
-        yield f"{names[axis]} {use}; name another in {roles.where} if the mass moves along it"
-    sizes = {roles.channels[pick.index].size for pick in picks}
-    used = {i for pick in picks for i in (pick.index, pick.time)} | {*roles.axes}
+        yield f"{names[axis]} {use}; name another in {guesses.where} if the mass moves along it"
+    sizes = {guesses.channels[pick.index].size for pick in picks}
+    used = {i for pick in picks for i in (pick.index, pick.time)} | {*guesses.axes}
     if unused := [
         names[i] + f" ({unusable(raw)})" * (unusable(raw) is not None)
-        for i, raw in enumerate(roles.channels)
+        for i, raw in enumerate(guesses.channels)
         if i not in used and raw.size in sizes and not holds_time(raw)
     ]:
-        remedy = f"say in {roles.where} what they hold, if it is needed"
+        remedy = f"say in {guesses.where} what they hold, if it is needed"
         yield f"channels not used: {first_of(unused)}; {remedy}"
     chosen = {pick.quantity: pick.index for pick in picks}
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
-        if moving and quantity in chosen and roles.named(chosen[quantity]) is None:
+        if moving and quantity in chosen and guesses.named(chosen[quantity]) is None:
             use = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
-            remedy = f"say relative_{quantity} in {roles.where} if it is measured against the base"
+            remedy = (
+                f"say relative_{quantity} in {guesses.where} if it is measured against the base"
+            )
             yield f"{names[chosen[quantity]]} {use}; {remedy}"
 
 
-def _find(roles: Roles, which: Which, key: str) -> int:
+def _find(guesses: Guesses, which: Which, key: str) -> int:
     """Return the index of the channel with a name or number."""
-    at, path, channels = f"{roles.mapping.source}: {key}:", roles.path, roles.channels
+    at, path, channels = f"{guesses.mapping.source}: {key}:", guesses.path, guesses.channels
     if isinstance(which, int):
         if 1 <= which <= len(channels):
             return which - 1
-        remedy = f"{path} has {len(channels)}: {roles.overview}"
+        remedy = f"{path} has {len(channels)}: {guesses.overview}"
         raise RecordError(f"{at} there is no channel {which}; {remedy}")
     names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
     for spelt in (str, key_of):  # verbatim, else without regard to case, blanks and path
@@ -210,28 +213,28 @@ def _find(roles: Roles, which: Which, key: str) -> int:
             raise RecordError(
                 f"{at} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
             )
-    remedy = f"it has {roles.overview}"
+    remedy = f"it has {guesses.overview}"
     raise RecordError(f"{at} {path} has no channel {shortened(which)}; {remedy}")
 
 
-def _unit(roles: Roles, raw: RawChannel, given: str | None, quantity: str) -> float:
+def _unit(guesses: Guesses, raw: RawChannel, given: str | None, quantity: str) -> float:
     """Return SI units per unit of the channel."""
     text = given or unit_of(raw)
-    channel = f"{roles.path}: channel {shortened(raw.name)}"
+    channel = f"{guesses.path}: channel {shortened(raw.name)}"
     key = "time" if quantity == "time" else f"channels.{quantity}"
     si = next((u.name for u in UNITS if u.dimension == DIMENSIONS[quantity]), "s")
-    stated = f": say unit: {si}, or as recorded, at {key} in {roles.where}"
+    stated = f": say unit: {si}, or as recorded, at {key} in {guesses.where}"
     if text is None:
-        shown = stated if roles.mapping.channels else f". {proposed(roles, 'Give it')}"
+        shown = stated if guesses.mapping.channels else f". {guesses.proposed('Give it')}"
         raise RecordError(f"{channel} has no unit{shown}")
-    if find_other(text) == VOLTAGE and not roles.mapping.channels:
-        raise RecordError(f"{channel} is in {text}. {proposed(roles, 'Give its scale')}")
+    if find_other(text) == VOLTAGE and not guesses.mapping.channels:
+        raise RecordError(f"{channel} is in {text}. {guesses.proposed('Give its scale')}")
     try:
         return unit_for(text, quantity).factor
     except UnitError as error:
         remedy = "" if given else f"; if the file is wrong{stated}"
-        if not (roles.mapping.channels or given) and Proposal(roles).complete:
-            remedy = f". {proposed(roles, 'Say what it is')}"
+        if not (guesses.mapping.channels or given) and guesses.complete:
+            remedy = f". {guesses.proposed('Say what it is')}"
         raise RecordError(f"{channel}: {error}{remedy}") from None
 
 

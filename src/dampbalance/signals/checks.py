@@ -255,11 +255,16 @@ def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Finding]:
 
 
 class Unsettled(ValueError):
-    """A record whose amplitude changes too much.   skip : cycles to leave out at its start, 0 where that is no use."""
+    """A record whose amplitude changes too much, which a finding says."""
 
     def __init__(self, finding: Finding) -> None:
         super().__init__(sentence(finding, TRANSLATION))
-        self.skip = int(finding.numbers["skip"])
+        self.finding = finding
+
+    @property
+    def skip(self) -> int:
+        """Cycles to leave out at its start, 0 where that is no use."""
+        return int(self.finding.numbers["skip"])
 
 
 def steadiness(

@@ -5,7 +5,7 @@ doubt on, or reject, at most `BUDGET` of the sets of records that are sound: eac
 how often it is asked in a usual set. A test that only chooses which samples count, or where a search goes on, has none:
 by mistake it costs time or a few samples, and doubts nothing.
 
-An alarm is no doubt yet: what a test finds counts by what it may do to the numbers (`identification.remarks.doubted`).
+An alarm is no doubt yet: what a test finds counts by what it may do to the numbers (`identification.answer.doubted`).
 """
 
 from __future__ import annotations

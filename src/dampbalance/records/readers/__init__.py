@@ -11,8 +11,8 @@ from pathlib import Path
 
 from ... import arguments
 from ..channel import QUANTITIES
+from ..guess import suggested_mapping
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
-from ..proposal import suggested_mapping
 from ..recognise import picks_of, recognise
 from ..record import Record
 from ..table import Table, intact
@@ -58,18 +58,21 @@ def table(path: str | Path, mapping: MappingLike = None) -> Table:
     return replace(file, what=kind.title)
 
 
-def mapping_to_start_from(path: str | Path, mapping: MappingLike = None) -> str:
+def mapping_to_start_from(
+    path: str | Path, mapping: MappingLike = None, stepped: bool | None = None
+) -> str:
     """Return a mapping in YAML that names the channels of a file as far as headings, units and samples show them.
 
     It can be read as it stands; comments say what each line comes from, and why the other channels are left aside.
     Write it next to the record and correct what is wrong.
 
-    mapping : what is known already, such as delimiter or sampling rate.
+    mapping : what is known already, such as delimiter or sampling rate.   stepped : whether the file is a table of
+    steady responses to a stepped sine; None to see it by its columns.
 
     Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
     """
     path, rules = _named(path, mapping)
-    return suggested_mapping(table(path, rules), rules)
+    return suggested_mapping(table(path, rules), rules, stepped)
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:

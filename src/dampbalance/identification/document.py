@@ -1,0 +1,150 @@
+"""A result as plain data: the document that `identification.json` holds, and the rows of its table."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .. import __version__
+from ..findings.words import sentence, unit_of
+from ..model import named_with_unit
+from ..project.files import plain
+from ..records.coordinate import TRANSLATION, Coordinate
+from ..signals.thresholds import BUDGET
+from .answer import REFERENCE, Answer
+from .law_comparison import LawComparison, LawTest
+from .sensitivities import FAULTS
+
+if TYPE_CHECKING:
+    from .result import Result
+
+_IN_TABLE = ("residual", "misfit")  # of the merit of an answer
+
+
+def document(found: Result[Any]) -> dict[str, Any]:
+    """Return the document: see `Result.document`."""
+    coordinate, kind = found.coordinate, found.basis.kind
+    answers = {name: _entries(answer, coordinate) for name, answer in found.approaches.items()}
+    of_kind = found.basis.document(found)
+    for entry, record in zip(of_kind["records"], found.records, strict=bool(found.records)):
+        entry |= record.files or {}
+    of, effects = found.sensitivities()
+    everything = {
+        "dampbalance": __version__,
+        **({} if kind == "forced" else {"kind": kind}),
+        **({} if coordinate == TRANSLATION else {"coordinate": coordinate.name}),
+        "options": dict(found.options),
+        "k_N_per_m": found.k,
+        **found.settings,
+        "answer": found.answer.name,
+        "no_answer": found.no_answer or None,
+        "approaches": {name: answers[name] for name in found.estimates},
+        "maximum_likelihood": answers.get(REFERENCE),
+        **({} if found.laws is None else {"laws": _of_laws(found.laws, coordinate)}),
+        **of_kind,
+        "damping": {
+            "damping_ratio": found.damping_ratio,
+            "levels": [level.document(found.k, found.mass) for level in found.levels],
+        },
+        "sensitivities_of": of,
+        "sensitivities": {
+            name: {"fault": FAULTS[name].words}
+            | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
+            for name, changes in effects.items()
+        },
+        "findings": [
+            one.document() | {"sentence": sentence(one, coordinate)} for one in found.findings
+        ],
+    }
+    keyed: dict[str, Any] = coordinate.document(plain(everything), _names(found))
+    return keyed
+
+
+def table(found: Result[Any]) -> list[dict[str, Any]]:
+    """Return a row for each answer, the one to use first: value, standard errors and interval of each parameter, in
+    columns named with units, the verdict on each, and the findings on it; None where an answer has no such number."""
+    rows = []
+    for name, answer in found.approaches.items():
+        row = {"approach": name} | _columns(answer, table=True)
+        row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
+        for symbol, v in answer.verdicts.items():
+            row |= {
+                f"{symbol}_verdict": v.verdict,
+                f"{symbol}_within_percent": 100.0 * v.within,
+            }
+        notes = (f"{one.code}: {sentence(one, found.coordinate)}" for one in answer.notes)
+        rows.append(row | {"note": "; ".join(notes)})
+    rows[0]["no_answer"] = found.no_answer
+    columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
+    return [{found.coordinate.key(name): row.get(name) for name in columns} for row in rows]
+
+
+def _names(found: Result[Any]) -> set[str]:
+    """Return names of records, which are keys, too."""
+    return {*found.sources, *(record.label for record in found.records)}
+
+
+def _entries(answer: Answer, coordinate: Coordinate) -> dict[str, Any]:
+    """Return an answer by the keys of the document."""
+    document = _columns(answer)
+    if answer.balance is not None:
+        sizes = np.sqrt(np.diag(answer.covariance))
+        with np.errstate(invalid="ignore"):  # exact rows have no errors
+            correlations = answer.covariance / np.outer(sizes, sizes)
+        document |= {
+            f"correlation_of_{one}_and_{other}": correlations[i, j]
+            for (i, one), (j, other) in itertools.combinations(enumerate(answer.coefficients), 2)
+        }
+    document["verdicts"] = {
+        symbol: v.worded(coordinate).document() for symbol, v in answer.verdicts.items()
+    }
+    document |= answer.merit
+    if answer.balance is not None:
+        document["rows"] = {**answer.rows, **answer.balance.labels}
+    return document
+
+
+def _columns(answer: Answer, *, table: bool = False) -> dict[str, Any]:
+    """Return the numbers of an answer in columns named with their units; in a table each end of an interval has a
+    column."""
+    columns: dict[str, Any] = {}
+    for symbol, p in answer.parameters.items():
+        numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
+        ends = {"_low": p.interval.low, "_high": p.interval.high}
+        numbers |= ends if table else {"_interval": p.interval}
+        columns |= {_column(symbol, what): n for what, n in numbers.items()}
+    return columns
+
+
+def _column(symbol: str, what: str = "") -> str:
+    """Return F_k_standard_error_N: what a number says of a parameter, and its unit."""
+    return named_with_unit(f"{symbol}{what}", unit_of(symbol))
+
+
+def _of_laws(laws: LawComparison, coordinate: Coordinate) -> dict[str, Any]:
+    return {
+        "chosen": laws.chosen,
+        "by": laws.by,
+        "not_told_apart": laws.alike,
+        "told_apart_by_stiffness": laws.by_stiffness,
+        "chance_to_reject_a_true_law": BUDGET,
+        "words": [sentence(one, coordinate) for one in laws.findings],
+        "tested": [_of_test(test) for test in laws.tests],
+    }
+
+
+def _of_test(test: LawTest) -> dict[str, Any]:
+    numbers = {
+        _column(key, what): number
+        for key, pair in test.coefficients.items()
+        for what, number in zip(("", "_standard_error"), pair, strict=True)
+    }
+    tests = {name: (of := test.tests.get(name)) and asdict(of) for name in ("balance", "waveforms")}
+    rejected = {
+        "rejected": test.rejected,
+        "rejected_by_balance": test.rejected_by_balance,
+    }
+    return {"terms": test.terms, **numbers, **tests, **rejected}
