@@ -52,7 +52,7 @@ def test_exact_records_give_the_truth_off_resonance_too(hz):
     assert direct.notes == ()
     assert relative(found.reference.K_z, PAPER.K_z) == pytest.approx(0.0, abs=2e-5)
     assert found.basis.joint.fit.m == pytest.approx(PAPER.m, rel=1e-6)
-    assert found.findings == ()
+    assert found.findings == []
 
 
 def test_records_of_several_frequencies_go_together():
@@ -100,7 +100,7 @@ def test_the_records_share_what_no_single_one_resolves():
     assert lengths == pytest.approx([lengths[0]] * 5, rel=1e-9)
     off = 2.0 * found.basis.joint.fit.F_k * found.basis.joint.fit.error("rho") ** 2
     assert lengths[0] == pytest.approx(found.basis.microstick.length - off, rel=1e-9)
-    assert found.findings == ()
+    assert found.findings == []
 
 
 def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit():
@@ -127,7 +127,7 @@ def test_a_level_that_does_not_belong_is_noticed():
     odd = replace(PAPER, c=1.01 * PAPER.c)
     mixed = [*readings(noise=0.005)[:4], readings(noise=0.005, osc=odd)[4]]
     found = identified(mixed)
-    assert found.findings[0].code == "far from all"
+    assert "far from all" in {one.code for one in found.findings}
     # its balance scatters as much
     direct = found.estimates["direct"]
     (scatter,) = (one.numbers for one in direct.notes if one.code == "rows scatter")
@@ -231,8 +231,7 @@ STUCK = (0.0002, 0.0003, 0.0004)
 def test_where_no_level_slips_there_is_no_friction_force():
     found = identified(readings(noise=0.01, levels=STUCK), mass=PAPER.m)
     assert found.basis.joint.linear
-    (warning,) = found.findings
-    assert warning.code == "stuck"
+    assert "stuck" in {one.code for one in found.findings}
     direct, told = found.estimates["direct"], found.document()
     numbers = told["approaches"]["direct"]
     assert [numbers[key] for key in ("F_k_N", "K_z_N_per_m", "F_k_standard_error_N")] == [None] * 3
@@ -261,7 +260,7 @@ def test_hardly_any_friction_has_a_bound(friction, seed):
     assert (F_k.verdict, F_k.within) == ("usable", math.inf)
     assert [one.code for one in F_k.findings] == ["upper limit"]
     assert friction < found.intervals["F_k"].high < 0.02
-    assert found.lead.startswith("No friction (F_k < ")
+    assert found.screen().startswith("No friction (F_k < ")
     # a contact without friction has any stiffness
     assert found.verdicts["K_z"].verdict == "none"
 

@@ -93,7 +93,7 @@ def test_a_mount_is_identified_by_its_motion_against_the_base(motion, kind):
         assert abs(found.values[symbol] - true) < ERRORS * error < bound * true, symbol
         assert found.verdicts[symbol].verdict == "usable"
     assert abs(found.mass - MOUNT.m) < ERRORS * found.mass_error + 0.001
-    assert found.findings == ()
+    assert found.findings == []
 
 
 def test_a_mount_that_is_taken_for_a_contact_to_the_ground_is_named(motion):
@@ -162,7 +162,7 @@ def test_a_fixture_above_a_load_cell_moves_along(given):
     assert found.natural_frequency == pytest.approx(
         math.sqrt(PAPER.k / PAPER.m) / (2.0 * math.pi), rel=1e-3
     )
-    assert found.findings == ()
+    assert found.findings == []
     if given:
         (said,) = (w for w in identify(made, PAPER.k, **given).findings if w.code == "mass")
         assert (said.numbers["masses"][1], said.numbers["fixture"]) == (2.42, True)

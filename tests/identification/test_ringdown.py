@@ -118,7 +118,9 @@ def test_the_balance_has_errors_a_few_times_those_of_the_fit():
 
 def test_what_held_the_mass_before_is_left_out():
     """From the sample of the release on, and within an eighth of a cycle of it."""
-    ((after,),) = np.subtract([one.start for one in plucked().fit.decays], [record(PLUCKED)[1]])
+    ((after,),) = np.subtract(
+        [one.start for one in plucked().basis.fit.decays], [record(PLUCKED)[1]]
+    )
     assert -1.0 / PLUCKED.rate_hz < after < 0.125 * 2.0 * math.pi / PLUCKED.omega_n
 
 
@@ -126,7 +128,7 @@ def test_records_go_together():
     records = [record(replace(PLUCKED, index=i))[0] for i in range(3)]
     all_of_them = identify_ring_downs(records, PLUCKED.k)
     holds(all_of_them, PLUCKED)
-    error, of_one = (each.fit.error("F_k") for each in (all_of_them, plucked()))
+    error, of_one = (each.basis.fit.error("F_k") for each in (all_of_them, plucked()))
     # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
     assert error / of_one == pytest.approx(3.0**-0.5, rel=0.12)
     assert len(all_of_them.sources) == 3
@@ -203,7 +205,7 @@ def test_releases_that_share_a_friction_force_have_one():
 
 
 def test_derivatives_by_friction_forces_are_those_of_the_samples(scattering):
-    fit = scattering.fit
+    fit = scattering.basis.fit
     for j in fit.friction_places:
         step = 1e-6 * fit.point[j]
         either = []
@@ -305,7 +307,7 @@ def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
 
 def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     free, given, wrong = (plucked(mass=m) for m in (None, PLUCKED.m, 1.3 * PLUCKED.m))
-    assert given.fit.m == PLUCKED.m
+    assert given.basis.fit.m == PLUCKED.m
     assert given.reference.K_z.standard_error < free.reference.K_z.standard_error
     assert wrong.basis.fit.m == pytest.approx(free.basis.fit.m)
     assert wrong.findings[0].numbers["masses"] == pytest.approx(

@@ -63,8 +63,8 @@ def test_a_law_that_makes_no_sense_is_refused_by_name(arguments, message):
 @pytest.mark.parametrize(
     ("law", "frequencies", "message"),
     [
-        (Law(), [3.5], "F_k and c need responses at two levels or more, got 1"),
-        (Law(("F_k", "c", "c_2")), [3.5, 4.0], "F_k, c and c_2 need responses at 3 levels or more"),
+        (Law(), [3.5], "2 coefficients need responses at two levels or more, got 1"),
+        (Law(("F_k", "c", "c_2")), [3.5, 4.0], "3 coefficients need responses at 3 levels or more"),
         (Law(("F_k", "c", "eta")), [3.5] * 4, "act alike, c = eta k/omega: leave out one of them"),
         (Law(groups={"F_k": ("a", "b")}), [3.5] * 4, "have 2 labels for 4 records"),
         (Law(given={"F_k": 1.0, "c": 2.0}), [3.5], "leave out one, to identify it"),

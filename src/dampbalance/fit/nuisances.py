@@ -80,9 +80,3 @@ def in_other_frame(one: Lines) -> Lines:
     y[1], y[2 : one.base.size + 2] = one.Y, one.base
     sign = -1.0 if one.of_base else 1.0
     return replace(one, x=one.x + sign * y[one.n], of_base=1.0 - one.of_base)
-
-
-def with_response(one: Lines, factor: float) -> Lines:
-    """Return the harmonics of a response that was read in another unit, by a factor."""
-    base = np.where(one.n == 1, one.Y * one.of_base, 0.0)
-    return replace(one, x=(one.x - base) * factor + base, x_error=one.x_error * factor)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..arguments import NUMBERS, items, mapping, names, number
-from .terms import FRICTION, Term, in_order, symbols_in_words, term
+from .terms import FRICTION, Term, in_order, term
 
 _GIVEN = "a mapping of symbols to coefficients"
 _SAME_FREQUENCY = 1.001  # ratio of two frequencies: nearer ones count as one
@@ -119,9 +119,10 @@ class Law:
             raise ValueError("every coefficient is given: leave out one, to identify it")
         if by_balance and count < len(self.unknowns):
             n = len(self.unknowns)
-            levels = {1: "one level", 2: "two levels"}.get(n, f"{n} levels")
-            needed = f"{symbols_in_words(self.unknowns)} need responses at {levels} or more"
-            raise ValueError(f"{needed}, got {count}: add records at other amplitudes")
+            levels = "two levels" if n == 2 else f"{n} levels"
+            raise ValueError(
+                f"{n} coefficients need responses at {levels} or more, got {count}: add records at other amplitudes"
+            )
 
 
 def law_of(
