@@ -18,12 +18,19 @@ MODULES = {
 FACE = {"dampbalance"}  # from which others take the version alone
 
 
-def imported(module: str, path: Path, text: str | None = None) -> set[str]:
-    """The modules of the package that a module imports, anywhere in it."""
+def imported(module: str, path: Path, text: str | None = None, *, types: bool = True) -> set[str]:
+    """The modules of the package that a module imports, anywhere in it.   types : or for its types alone."""
     package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
     names = set()
-    for node in ast.walk(ast.parse(text or path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom):
+    tree = ast.parse(text or path.read_text(encoding="utf-8"))
+    unseen = {
+        one
+        for node in ast.walk(tree)
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not types
+        for one in ast.walk(node)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node not in unseen:
             base = package[: len(package) - node.level + 1] if node.level else []
             start = ".".join([*base, *([node.module] if node.module else [])])
             inner = {alias: f"{start}.{alias.name}" for alias in node.names}

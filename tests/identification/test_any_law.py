@@ -136,7 +136,7 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
 def test_without_groups_no_law_fits_records_of_two_loads(two_loads):
     laws = compare_laws(two_loads, PAPER.k)
     assert laws.chosen is None
-    assert [one.code for one in laws.findings] == ["no law"]
+    assert laws.findings[-1].code == "no law"
     with_groups = Law(groups={"F_k": ("light", "heavy") * 2})
     assert compare_laws(two_loads, PAPER.k, law=with_groups).chosen == ("F_k", "c")
 

@@ -375,7 +375,7 @@ def test_names_in_a_text_are_read_as_on_the_command_line():
 def test_the_averaged_cycle_lies_on_the_samples_whatever_the_zero_of_the_transducer():
     records = made(noise=1e-4)[:2]
     x = records[1]["displacement"].values + 0.02
-    records[1] = replace(changed(records[1], "displacement", values=x), source="another zero")
+    records[1] = replace(changed(records[1], "displacement", values=x), name="another zero")
     found = identify(records, PAPER.k)
     for reading, axes in zip(found.basis.readings, found.plot("cycles")[::2], strict=True):
         dots, line = axes.get_lines()[:2]

@@ -315,7 +315,7 @@ def test_a_mass_that_is_known_sharpens_and_one_that_is_wrong_is_named():
     )
     assert given.estimates["balance"].verdicts["F_k"][:2] == ("usable", "")
     verdict = wrong.verdicts["F_k"]
-    assert (verdict.verdict, verdict.findings) == ("doubtful", wrong.findings[:1])
+    assert (verdict.verdict, verdict.findings) == ("doubtful", tuple(wrong.findings[:1]))
     assert [each.rig[0].numbers["given"] for each in (given, free, wrong)] == [True, False, False]
 
 
@@ -351,7 +351,7 @@ def test_a_sensor_that_is_not_linear_is_left_for_the_band_of_the_mode():
 
 def test_a_clipped_decay_is_named_and_its_samples_at_the_limit_left_out():
     sound = measured_ring_down(OSCILLATOR, x=0.005, rate_hz=200.0, duration=3.0, noise=0.005)
-    found = identify([replace(cut(sound, "displacement", 0.5), source="decay")], OSCILLATOR.k)
+    found = identify([replace(cut(sound, "displacement", 0.5), name="decay")], OSCILLATOR.k)
     clipped = Finding("clipped decay", {"quantity": "displacement"}, of="decay")
     assert clipped in found.findings
     for symbol in ("F_k", "c"):
@@ -403,7 +403,7 @@ def test_a_climb_may_start_without_friction():
 
 def test_gain_delay_and_filters_are_taken_off():
     measured, _ = record(PLUCKED)
-    measured = replace(measured, source="run")
+    measured = replace(measured, name="run")
     channel = measured["displacement"]
     x, dt = channel.values, 1.0 / PLUCKED.rate_hz
 
@@ -445,7 +445,7 @@ def test_gain_delay_and_filters_are_taken_off():
     ],
 )
 def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
-    measured = replace(record(PLUCKED)[0], source="run")
+    measured = replace(record(PLUCKED)[0], name="run")
     t, x = measured["displacement"].t, measured["displacement"].values
     none = changed(measured, "displacement", values=values(t, x))
     with pytest.raises(

@@ -293,7 +293,7 @@ def test_a_distorted_drive_doubts_fundamentals_that_their_noise_does_not_explain
     steady = SimpleNamespace(source="a", warnings=())
     reading = SimpleNamespace(steady=steady, warnings=(distorted, NOTED))
     alone = SimpleNamespace(chi_square=chi_square, freedom=3)
-    said, noted = on_records([reading], SimpleNamespace(fundamentals=alone))
+    said, noted = on_records([reading], SimpleNamespace(fundamentals=alone, linear=False, fit=None))
     assert said.spares(FUNDAMENTALS) == spared
     assert said.spares("direct")
     assert said.spares(REFERENCE)

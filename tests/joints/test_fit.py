@@ -100,13 +100,13 @@ def test_comparison_finds_one_slider_and_the_gradual_contact():
     one = compare_contacts(lines(corners, 0.01))
     assert one.supported == "one slider"
     assert one.p > 0.05
-    assert "one slider is enough" in one.words()
+    assert one.finding().numbers["enough"] is True
     many = compare_contacts(lines(power_law, 0.003))
     assert many.supported == "gradual"
     assert many.p < 0.05
     assert len(many["gradual"].held_out) == len(LEVELS)
     assert many["one slider"].fit.misfit.loss > many["gradual"].fit.misfit.loss
-    assert "one slider is not enough" in many.words()
+    assert many.finding().numbers["enough"] is False
 
 
 def test_loss_that_grows_by_damping_is_told_from_a_contact_by_the_stiffness():

@@ -188,7 +188,7 @@ def test_text_after_the_data_is_left_aside(suffix, tmp_path):
     (found,) = read_records(file)
     np.testing.assert_allclose(found.to_frame(), frame.set_index("time_s"), rtol=1e-15)
     last = len(frame) + 1  # after the header
-    (said,) = found.findings
+    (said,) = found.warnings
     assert said.numbers["words"].endswith(f"s {last + 2} to {last + 4}, is left aside")
 
 

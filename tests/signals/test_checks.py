@@ -253,8 +253,9 @@ def test_sizes_that_no_bench_has(Y, X, omega, count):
     ("gain", "confused"),
     [
         (1.0, None),
-        (299.0, None),
-        (1.0 / 299.0, None),
+        (99.0, None),
+        (1.0 / 99.0, None),
+        (101.0, "cm taken for m"),
         (301.0, "cm taken for m"),
         (1000.0, "mm taken for m"),
         (2e-4, "mm taken for m"),
@@ -265,6 +266,8 @@ def test_a_unit_is_asked_for_by_the_sizes_of_two_channels_alone(gain, confused):
         found = list(checks.ratio(0.01, 0.01 * gain, "force", coordinate))
         assert [one.numbers["confused"] for one in found] == [confused] * bool(confused)
         assert all(one.numbers["angle"] == (coordinate is ROTATION) for one in found)
+        assert all(one.numbers["rare"] == (1.0 / 300.0 < gain < 300.0) for one in found)
+        assert all(bool(one.effect) != one.numbers["rare"] for one in found)
 
 
 def test_distortion_is_that_of_the_harmonics_that_count():

@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> bool:
     answer = json_text(result.document())
     shown, width = answer, shutil.get_terminal_size().columns
     if options.json != _SCREEN:
-        shown = result.text() if options.details else result.screen(width, details="--details")
+        shown = result.text(width) if options.details else result.screen(width, details="--details")
     print(shown, end="")
     places, drawn = [], ""
     if document is not None:

@@ -1,7 +1,7 @@
 """An answer: numbers with their intervals, what they are good for, and the rows of the balance that they come from.
 
 Every approach to forced records or free decays ends in an `Answer`, and so does the fit of maximum likelihood; all
-answers to a set of records make an `Outcome`. Table, document, figures and studies read these and nothing else, so that
+answers to a set of records make a `Result`. Table, document, figures and studies read these and nothing else, so that
 none of them asks what kind of record it was.
 """
 

@@ -39,7 +39,6 @@ from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95, solve
 from .answer import (
     BALANCE,
-    CONFIDENCE,
     UNKNOWN,
     USELESS,
     Answer,
@@ -167,12 +166,9 @@ class DecayBasis:
         """Return each decay with the motion fitted to it, and the rows of the balance, if there are any."""
         from . import pictures as drawn  # slow to import
 
-        count = len(self.fit.decays)
-        words = f"{count} free decays with the motion fitted to them, their turns and the residual"
-        of_rows = "energy that the law takes of each two half cycles against what is lost, and the residuals"
-        pictures = {"decays": Picture(words, drawn.decays, (self.fit, self.half_cycles.turns))}
+        pictures = {"decays": Picture(drawn.decays, (self.fit, self.half_cycles.turns))}
         if len(self.half_cycles.columns):
-            pictures["balance"] = Picture(of_rows, drawn.balance, (found.approaches, False))
+            pictures["balance"] = Picture(drawn.balance, (found.approaches, False))
         return pictures
 
 
@@ -428,7 +424,6 @@ def _solved(
         head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
         rig=[*rig, *conditions],
-        settings={"confidence": CONFIDENCE},
     )
 
 

@@ -28,10 +28,12 @@ _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
 def on_records(readings: Sequence[Reading], joint: JointFit) -> list[Finding]:
     """Return the findings on single records. A drive that is not harmonic spares the fit to the fundamentals where that
-    leaves no more than noise."""
+    leaves no more than noise, and no unit is asked for where an oscillator explains a rare ratio of amplitudes."""
     alone = joint.fundamentals
     holds = alone is not None and special.chdtrc(alone.freedom, alone.chi_square) > P_CAUSE
     found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
+    explained = joint.linear or (joint.fit is not None and joint.fit.adequate)
+    found = [one for one in found if not (explained and one.numbers.get("rare"))]
     harmless = {"base": "base within noise"} if holds else {}
     return [replace(one, code=harmless.get(one.code, one.code)) for one in found]
 

@@ -14,7 +14,7 @@ from ..model import named_with_unit
 from ..project.files import plain
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..signals.thresholds import BUDGET
-from .answer import REFERENCE, Answer
+from .answer import CONFIDENCE, REFERENCE, Answer
 from .law_comparison import LawComparison, LawTest
 from .sensitivities import FAULTS
 
@@ -38,6 +38,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
         **({} if coordinate == TRANSLATION else {"coordinate": coordinate.name}),
         "options": dict(found.options),
         "k_N_per_m": found.k,
+        "confidence": CONFIDENCE,
         **found.settings,
         "answer": found.answer.name,
         "no_answer": found.no_answer or None,

@@ -165,27 +165,11 @@ class ForcedBasis:
         balance."""
         from . import pictures as drawn  # slow to import
 
-        count, two = len(self.readings), set(self.law.keys) == {"F_k", "c"}
-        fit, noun = self.fit, found.coordinate.noun
-        slope = found.coordinate.symbol(FRICTION)
-        line = (
-            f"on a line of slope {slope}"
-            if two
-            else "on the line where the law takes the input work"
-        )
-        cycles = (
-            f"{count} records folded onto one cycle of the drive, with their averaged cycle, the fitted one and its "
-            "residual"
-        )
-        friction = (
-            f"friction {noun('force')} against {noun('displacement')} of {count} records, with the loop of the fitted "
-            "oscillator"
-        )
-        balance = f"rows of the energy balance {line}, and the residual of each row"
+        two = set(self.law.keys) == {FRICTION, "c"}
         return {
-            "cycles": Picture(cycles, drawn.cycles, (found.records, self.readings, fit)),
-            "friction": Picture(friction, drawn.friction, (found.records, _loops(found), fit)),
-            "balance": Picture(balance, drawn.balance, (found.approaches, two)),
+            "cycles": Picture(drawn.cycles, (found.records, self.readings, self.fit)),
+            "friction": Picture(drawn.friction, (found.records, _loops(found), self.fit)),
+            "balance": Picture(drawn.balance, (found.approaches, two)),
         }
 
     @property
@@ -208,6 +192,17 @@ def friction_loops(
     found : of forced records.
     mass : kg; default, that of the fit. Without a fit it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does
     not yield: neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
+
+    >>> import math
+    >>> from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady_orbit
+    >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
+    >>> records = [
+    ...     measured_orbit(steady_orbit(osc, BaseMotion(Y, 22.0)), rate_hz=1000.0, cycles=20.0, source=name)
+    ...     for name, Y in (("low", 0.004), ("high", 0.008))
+    ... ]
+    >>> loops = friction_loops(identify(records, stiffness=2310.0))
+    >>> [*loops], [*loops["low"].columns]
+    (['low', 'high'], ['phase_rad', 'x_m', 'v_m_per_s', 'f_N'])
     """
     import pandas as pd  # slow to import
 
@@ -391,10 +386,7 @@ def identify_readings(
         odd=(*of_records, *of_all),
         head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals",
         rig=rig,
-        settings={
-            "law": {"terms": law.terms, "given": law.given, "groups": law.groups},
-            "confidence": CONFIDENCE,
-        },
+        settings={"law": {"terms": law.terms, "given": law.given, "groups": law.groups}},
     )
 
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import os
+import tomllib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
 
-from ..arguments import flag, path
-from ..project.files import UNFINISHED, write_json, write_rows, write_text
-
-if TYPE_CHECKING:
-    from .result import Result
+from ..project.files import UNFINISHED
 
 TABLES = ("identification.json", "identification.csv", "summary.txt")
 """The document with everything; the estimates; the table of the screen."""
@@ -25,44 +22,10 @@ REPORT = "report.html"
 OVERVIEW = ESTIMATES, SUMMARY = TABLES[1:]
 """Names of the files of all sets, and of their like of each set."""
 
-_RESIDUAL = (
-    "below, the residual, in standard deviations of the noise. A pattern there is what the model "
-    "does not explain."
+PICTURES: dict[str, dict[str, str]] = tomllib.loads(
+    files(__package__).joinpath("pictures.toml").read_text(encoding="utf-8")
 )
-_BALANCE = (
-    "Energy balance: each marker is a cycle, and the line is what friction and damping take. Right: the residual of "
-    "each row, in standard deviations."
-)
-_SLIDERS = (
-    "The contact: the stiffness of its sliders over the amplitude at which each begins to slip."
-)
-
-PICTURES = {
-    "forced": {
-        "cycles": f"Each record folded onto one cycle of the drive, with the fitted oscillator; {_RESIDUAL}",
-        "friction": "Friction {force} over {displacement}: the recorded cycle less spring, inertia and viscous "
-        "damping, and the loop of the fitted oscillator. A dot marks where slip begins.",
-        "balance": _BALANCE,
-    },
-    "ring-down": {
-        "decays": f"Each decay with the fitted oscillator; {_RESIDUAL}",
-        "balance": _BALANCE,
-    },
-    "stepped-sine": {
-        "loss": "Energy lost per cycle over the amplitude: a dot is a line of the table, darker at higher levels, and "
-        "a curve with its band of 95 % is what a contact and the damping take.",
-        "stiffness": "Stiffness over the amplitude: a contact that slips is softer. Dots are lines of the table; "
-        "curves, with bands of 95 %, are the laws.",
-        "distribution": _SLIDERS,
-    },
-    "loops": {
-        "loops": "The {force} over the {displacement} of each loop, and the contact fitted.",
-        "loss": "Energy lost per cycle over the amplitude: a dot is a cycle, and a curve with its band of 95 % is "
-        "what the contact takes.",
-        "history": "The friction {force} that makes up for the loss of each cycle, and the stiffness of the contact.",
-    },
-}
-"""The pictures of each kind of records, the most telling first, and what each shows."""
+"""Kind of records → its pictures by name, the most telling first → what each shows."""
 
 
 def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
@@ -78,27 +41,6 @@ def outputs_of(kind: str) -> tuple[str, ...]:
 OUTPUTS = outputs_of("forced")
 ALL_PICTURES = (*pictures_of(dict.fromkeys(chain(*PICTURES.values()))), REPORT)
 """The files that show pictures of any kind of records."""
-
-
-def save(found: Result[Any], folder: str | Path, *, figures: bool, overwrite: bool) -> list[Path]:
-    """Write a result to a folder: see `Result.save`."""
-    from .document import (
-        table,
-    )  # these are slow to import, and names of files are needed without them
-
-    folder = path("folder", folder, "the path of a folder")
-    remedy = "" if flag("overwrite", overwrite) else "overwrite=True"
-    require_room(folder, (*TABLES, *ALL_PICTURES), remedy)
-    pictures = (*pictures_of(found.figures), REPORT) if flag("figures", figures) else ()
-    with written_together(folder, (*pictures, *reversed(TABLES))) as new:
-        if figures:
-            from .report import report
-
-            write_text(new / REPORT, report(found, new))
-        write_rows(new / ESTIMATES, table(found))
-        write_text(new / SUMMARY, found.text())
-        write_json(new / TABLES[0], found.document())
-    return [folder / name for name in (*TABLES, *pictures)]
 
 
 @contextmanager

@@ -28,7 +28,7 @@ from ..figures.style import (
     save_svg,
 )
 from ..findings.finding import Finding
-from ..findings.words import limit, phrase, unit_of
+from ..findings.words import phrase, unit_of
 from ..law.terms import term
 from ..project.wording import (
     dotted,
@@ -42,18 +42,16 @@ from ..project.wording import (
     visible,
 )
 from ..records.coordinate import ROTATION, Coordinate
-from .answer import DOUBTFUL, NONE, USABLE, ParameterEstimate
+from .answer import DOUBTFUL, Answer, ParameterEstimate
 from .drawing import DPI, draw
 from .outputs import PICTURES, pictures_of
 from .screen import (
+    answer_in_words,
     answers_table,
     comparison,
     interval_of,
-    lead,
     limiting,
-    measured,
     named,
-    reasons,
     value_of,
     worded_first,
 )
@@ -79,15 +77,16 @@ def report(found: Result[Any], folder: Path | None = None) -> str:
     with TemporaryDirectory() as unkept:
         pictures = []
         for name, picture in found.pictures.items():
+            caption = _caption(found, name)
             svg, png = (Path(folder or unkept, file) for file in pictures_of([name]))
             with lacking_glyphs():
                 drawn = draw(picture, found.coordinate)
                 if folder is None:
-                    save_svg(drawn, svg, picture.words, DPI)
+                    save_svg(drawn, svg, caption, DPI)
                 else:
-                    save(drawn, svg, png, picture.words, DPI)
+                    save(drawn, svg, png, caption, DPI)
             text = svg.read_text(encoding="utf-8")
-            pictures.append((text, _caption(found, name), picture.words))
+            pictures.append((text, caption, caption))
     files = [record.files or {} for record in found.records] or [{}] * len(found.sources)
     of, effects = found.sensitivities()
     return _page(
@@ -131,32 +130,10 @@ def _known(value: float | None) -> float:
 # --- what the report of one set says --------------------------------------------------------------
 
 
-def _verdict(found: Result[Any]) -> tuple[str, str]:
-    """Return the whole result in a sentence: which numbers can be used, with their values, and the first reason where
-    others cannot; and the class of the paragraph."""
-    answer, coordinate = found.answer, found.coordinate
-    groups: dict[str, list[str]] = {USABLE: [], DOUBTFUL: [], NONE: []}
-    for symbol, one in answer.verdicts.items():
-        groups[one.verdict].append(symbol)
-    usable, doubtful, none = groups.values()
-    parts = []
-    if not answer.answered:
-        parts.append("these records give no answer")
-    if usable:
-        these = "can be used as they stand" if len(usable) > 1 else "can be used as it stands"
-        parts.append(f"{_values(found, usable)} {these}")
-    if doubtful:
-        are = "are doubtful" if len(doubtful) > 1 else "is doubtful"
-        parts.append(f"{_values(found, doubtful)} {are}")
-    if none:
-        symbols = listed([*map(coordinate.symbol, none)])
-        parts.append(f"{symbols} cannot be determined from these records")
-    kind = DOUBTFUL if usable and (doubtful or none) else next(k for k, of in groups.items() if of)
-    if kind != USABLE:
-        first = reasons(answer)[0]
-        clause = worded_first(reasons(answer), coordinate).partition(":")[0]
-        parts.append(f"the first reason: {clause}" + (first.of and f" ({_short(first.of)})"))
-    return sentence("; ".join(parts)), f"lead {kind}"
+def _kind(answer: Answer) -> str:
+    """Return the class of the paragraph on the answer: usable, doubtful or none."""
+    words = {one.verdict for one in answer.verdicts.values()}
+    return words.pop() if len(words) == 1 else DOUBTFUL
 
 
 def _why(findings: Sequence[Finding], coordinate: Coordinate) -> str:
@@ -174,18 +151,6 @@ def _short(source: str) -> str:
     """Return the name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
     path = PurePath(source)
     return visible(path.name if path.suffix else source)
-
-
-def _values(found: Result[Any], symbols: Sequence[str]) -> str:
-    answer, coordinate, texts = found.answer, found.coordinate, []
-    for symbol in symbols:
-        p = answer.parameters[symbol]
-        if p.interval.low <= 0.0 < p.interval.high and answer.verdicts[symbol].verdict == USABLE:
-            texts.append(limit(symbol, *p.interval, coordinate))
-            continue
-        share = f" (±\N{NO-BREAK SPACE}{_part(p)})" if p.within < 1.0 else ""
-        texts.append(measured(symbol, value_of(p), coordinate) + share)
-    return listed(texts)
 
 
 def _part(p: ParameterEstimate) -> str:
@@ -283,10 +248,10 @@ _TEMPLATES.globals |= {
     "explained": _explained,
     "FAULTS": FAULTS,
     "first_check": _first_check,
-    "lead": lead,
     "limiting": limiting,
     "named": named,
     "rig": _rig,
-    "verdict": _verdict,
+    "kind": _kind,
+    "answer_in_words": answer_in_words,
     "why": _why,
 }

@@ -31,12 +31,8 @@ if TYPE_CHECKING:
 
 
 class Picture(NamedTuple):
-    """A picture of a result.
+    """A picture of a result: the function that draws it, of `of` and the coordinate."""
 
-    words : what it shows, for those who cannot see it.   draw : the function that draws it, of `of` and the coordinate.
-    """
-
-    words: str
     draw: Callable[..., Figure]
     of: tuple[Any, ...]
 
@@ -58,7 +54,7 @@ class Basis(Protocol):
         """Return cycles of the motion, what each loses: of each forced record, or of swings of a free decay."""
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
-        """Return the pictures by name, of those in `outputs.PICTURES` the ones that have something to show."""
+        """Return the pictures of `outputs.PICTURES` by name, those that have something to show."""
 
     def shifts(
         self, found: Result[Any], faults: Mapping[str, Fault], name: str
@@ -103,11 +99,11 @@ class Result(Generic[B]):
     k: float
     sources: tuple[str, ...]
     estimates: Mapping[str, Answer]
-    reference: Answer | None
     odd: tuple[Finding, ...]
     head: str
     rig: Sequence[Finding]
-    settings: Mapping[str, Any]
+    reference: Answer | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
     check: Sequence[Finding] | None = None
     laws: LawComparison | None = None
     records: tuple[Record, ...] = ()
@@ -378,7 +374,7 @@ class Result(Generic[B]):
 
         Raises ValueError where results are there already and may not be replaced, or nothing can be written.
         """
-        from .outputs import save
+        from .saving import save
 
         return save(self, folder, figures=figures, overwrite=overwrite)
 

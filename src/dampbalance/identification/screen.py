@@ -25,7 +25,7 @@ from ..project.wording import (
     with_unit,
 )
 from ..records.coordinate import Coordinate
-from .answer import USABLE, Answer, ParameterEstimate, Verdict
+from .answer import USABLE, ParameterEstimate, Verdict
 from .law_comparison import LawComparison, Probability
 from .level import damping_ratio
 
@@ -42,7 +42,7 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     coordinate, name = found.coordinate, found.answer.name
     others = {*found.approaches} - {name}
     own = [group for group in found.limits if not {one.of for one in group} <= others]
-    answer, first = lead(found) or _answer(found), next(iter(found.unanswered), [])
+    answer, first = answer_in_words(found), next(iter(found.unanswered), [])
     cause = next((of for of in own if first and of[0].kind == first[0].kind), None)
     if cause is not None:  # with its remedy
         answer = sentence(f"no answer: {worded(cause, coordinate)}")
@@ -156,23 +156,21 @@ def in_one(verdicts: Mapping[str, Verdict], coordinate: Coordinate) -> str:
     return "; ".join(parts)
 
 
-def reasons(answer: Answer) -> list[Finding]:
-    """Return the findings that keep numbers from being usable."""
-    return [f for v in answer.verdicts.values() if v.verdict != USABLE for f in v.findings]
-
-
 def worded_first(findings: Sequence[Finding], coordinate: Coordinate) -> str:
     """Return the first of findings in words, with those of its kind; empty where there is none."""
     first = [one for one in findings if one.kind == findings[0].kind]
     return worded(first, coordinate, remedy=False) if first else ""
 
 
-def _answer(found: Result[Any]) -> str:
+def answer_in_words(found: Result[Any]) -> str:
     """Return the values with their intervals of 95 %, and how far they can be used, in a sentence: "F_k = 2.100 ± 0.010
-    N, … at 95 %: usable within 0.6 %."; after a doubt its first reason."""
+    N, … at 95 %: usable within 0.6 %."; after a doubt its first reason. Where there is a lead, that."""
     answer, coordinate = found.answer, found.coordinate
+    if said := lead(found):
+        return said
     values = [_with_half_width(s, p, coordinate) for s, p in answer.parameters.items()]
-    why = worded_first(reasons(answer), coordinate)
+    doubts = [f for v in answer.verdicts.values() if v.verdict != USABLE for f in v.findings]
+    why = worded_first(doubts, coordinate)
     verdict = in_one(answer.verdicts, coordinate) + (f", as {why}" if why else "")
     return f"{', '.join(filter(None, values))} at 95 %: {verdict}."
 

@@ -20,7 +20,6 @@ from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..identification.answer import (
-    CONFIDENCE,
     UNKNOWN,
     Answer,
     Balance,
@@ -149,14 +148,10 @@ class SteppedBasis:
         from . import pictures as drawn  # slow to import
 
         of, fits = self._of_mode(found), {name: self.fits[name] for name in found.approaches}
-        count = f"{of.X.size} lines at {len(of.names)} levels, and the laws with their bands"
-        loss = f"energy lost per cycle against amplitude: {count}"
-        stiffness = f"stiffness against amplitude: {count}"
-        distribution = "stiffness of the sliders against the amplitude at which each begins to slip"
         return {
-            "loss": Picture(loss, drawn.loss, (of, fits)),
-            "stiffness": Picture(stiffness, drawn.stiffness, (of, fits)),
-            "distribution": Picture(distribution, drawn.distribution, (fits,)),
+            "loss": Picture(drawn.loss, (of, fits)),
+            "stiffness": Picture(drawn.stiffness, (of, fits)),
+            "distribution": Picture(drawn.distribution, (fits,)),
         }
 
 
@@ -171,6 +166,23 @@ def damping_at(found: Result[SteppedBasis], X: ArrayLike, frequency_hz: ArrayLik
 
     found : of a stepped sine.   X : amplitudes, m, (n,).   frequency_hz : at which the structure swings, Hz, (n,) or
     one.
+
+    >>> import math
+    >>> import numpy as np
+    >>> from dampbalance import Oscillator, identify_joint, steady_orbits
+    >>> osc = Oscillator(m=2.42, c=9.0, k=2310.0, K_z=2310.0, F_k=1.28)
+    >>> hertz, Y = np.linspace(4.0, 8.0, 17), np.array([[2e-4], [5e-4], [1e-3]])
+    >>> orbits = steady_orbits(osc, Y=Y, omega=2 * math.pi * hertz)
+    >>> table = {
+    ...     "frequency_hz": orbits.given["omega"].ravel() / (2 * math.pi),
+    ...     "base_displacement_m": orbits.given["Y"].ravel(),
+    ...     "displacement_m": orbits.X_1.ravel(),
+    ...     "phase_rad": -orbits.phi_1.ravel(),
+    ...     "level": orbits.given["Y"].ravel(),
+    ... }
+    >>> found = identify_joint(table, stiffness=2310.0, contact="one slider", hardening=False)
+    >>> [*damping_at(found, [1e-3, 2e-3], 5.0).columns]
+    ['X_m', 'damping_ratio', 'low', 'high']
     """
     import pandas as pd  # slow to import
 
@@ -270,12 +282,11 @@ def identify_joint(
             name: _answer(name, fit, lines, law, compared, tested[name])
             for name, fit in fits.items()
         },
-        reference=None,
         odd=(*uncompared, *_on_stuck(first)),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[*implied, *_counted(tables)],
         check=[check],
-        settings={"law": {"terms": law.terms, "given": law.given}, "confidence": CONFIDENCE},
+        settings={"law": {"terms": law.terms, "given": law.given}},
         records=tuple(tables),
         options=of,
     )

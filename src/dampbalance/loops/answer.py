@@ -154,16 +154,11 @@ class LoopBasis:
         cycles."""
         from . import pictures as drawn  # slow to import
 
-        fit, noun = self.fits[found.answer.name], found.coordinate.noun
-        names, force = listed([loop.name for loop in self.loops]), noun("force")
-        loops = f"{force} against {noun('displacement')} of {names}, and the contact fitted"
-        loss, cycles = "energy lost per cycle against the amplitude", history(found)
+        fit = self.fits[found.answer.name]
         return {
-            "loops": Picture(loops, drawn.loops, (fit.design.loops, fit)),
-            "loss": Picture(loss, drawn.loss, (self.loops, fit)),
-            "history": Picture(
-                f"friction {force} and stiffness of each cycle", drawn.history, (cycles,)
-            ),
+            "loops": Picture(drawn.loops, (fit.design.loops, fit)),
+            "loss": Picture(drawn.loss, (self.loops, fit)),
+            "history": Picture(drawn.history, (history(found),)),
         }
 
 
@@ -298,7 +293,6 @@ def identify_loops(
         k=math.nan,
         sources=tuple(record.name for record in read),
         estimates={name: _answer(name, fit, loops, fits, scatter) for name, fit in fits.items()},
-        reference=None,
         odd=(*odd, *_warned(first, loops)),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
@@ -306,7 +300,6 @@ def identify_loops(
         ),
         rig=[*_rig(first, loops, normal)],
         check=[Finding(_COMPARED[next(iter(fits))])],
-        settings={"confidence": CONFIDENCE},
         records=tuple(read),
         options=of,
     )

@@ -39,7 +39,7 @@ _SMALLEST_HARMONIC = 1e-3  # relative to the fundamental
 _SMALLEST_BASE_HARMONIC = 1e-6
 _CLIPPED_CYCLES = 0.5  # part of all cycles: if most are clipped, the range is too small
 _LARGEST_AMPLITUDE = 0.5  # m, some ten times what shakers of long stroke do
-_LARGEST_RATIO = 300.0  # of the amplitude of the mass over that of the base, or its inverse
+_LARGE_RATIO, _LARGEST_RATIO = 100.0, 300.0  # of the amplitudes of mass and base, or its inverse
 _UNITS = {1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for inches"}
 _LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 
@@ -325,15 +325,17 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Find
 def ratio(Y: float, X: float, driven_by: str, coordinate: Coordinate) -> Iterator[Finding]:
     """Yield a finding where the mass moves so much more or less than the base that the unit of one may be wrong.
 
-    A Q of 300, or a drive at 17 times the natural frequency, are at the limit.
+    A rare ratio is a question, which an oscillator that explains the records answers: a Q of 300, or a drive at 17
+    times the natural frequency, are at its limit. A larger one puts all numbers in doubt.
     """
     gain = X / Y
-    if not 1.0 / _LARGEST_RATIO < gain < _LARGEST_RATIO:
-        size = max(gain, 1.0 / gain)
+    size = max(gain, 1.0 / gain)
+    if size > _LARGE_RATIO:
         nearest = min(_UNITS, key=lambda factor: abs(math.log(size / factor)))
         of = {"gain": gain, "confused": _UNITS[nearest], "by_force": driven_by == "force"}
         angle = coordinate != TRANSLATION
-        yield Finding("unit", {**of, "angle": angle}, UNBOUNDED)
+        rare = size < _LARGEST_RATIO
+        yield Finding("unit", {**of, "angle": angle, "rare": rare}, {} if rare else UNBOUNDED)
 
 
 def harmonic_drive(mean: Complexes, error: Array, driven_by: str) -> Iterator[Finding]:
