@@ -1,4 +1,4 @@
-"""The files that an identification is written to, and whether there is room for them."""
+"""Names of the files that an identification is written to, and whether there is room for them."""
 
 from __future__ import annotations
 
