@@ -69,8 +69,7 @@ def output(tmp_path_factory):
 def test_everything_is_written(output):
     folder, shown = output
     assert sorted(path.name for path in folder.iterdir()) == sorted(OUTPUTS)
-    summary = (folder / "summary.txt").read_text(encoding="utf-8")
-    assert " ".join(summary.split()) in " ".join(shown.split())
+    assert (folder / "summary.txt").read_text(encoding="utf-8") in shown
     assert "\ndirect" in shown
     assert "\nmaximum likelihood" in shown
 
@@ -90,7 +89,7 @@ def test_the_document_holds_the_truth_of_the_example(output):
             assert low < true < high
             assert low < numbers[f"{symbol}_{unit}"] < high
             assert high - low < 0.03 * true
-    assert found["findings"] == []
+    assert [one for one in found["findings"] if one["effect"]] == []
     assert [record["record"] for record in found["records"]] == RECORDS
     assert found["records"][0]["frequency_Hz"] == pytest.approx(3.5, abs=1e-4)
 
@@ -562,8 +561,7 @@ def test_a_wrong_mass_is_the_cause_that_comes_first_where_no_number_is_usable_wi
     # the balance is the answer then, and no longer the fit
     assert {*numbers.findall(said)} == {*numbers.findall(without)} != set()
     assert (said.count("doubtful"), said.count("usable")) == (2, 0)
-    title, warning = limits.split("\n", 1)
-    lead, warning = (" ".join(of.split()) for of in (lead, warning))
+    title, warning = limits.splitlines()
     assert title == "Causes and remedies:"
     assert lead == f"No answer: {warning.removeprefix('warning: ')}."
     assert "the records imply 2" in warning

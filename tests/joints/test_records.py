@@ -311,7 +311,7 @@ def test_a_mapping_says_what_a_table_does_not(tmp_path):
     }
     require_truth(levels_of(path, mapping={"table": mapping}))
     mapping["force"] = {"channel": "x"}
-    with pytest.raises(RecordError, match=r"has no column 'x', which table\.force in"):
+    with pytest.raises(RecordError, match=r"table\.force\.channel: .* has no channel 'x'"):
         read_records(path, mapping={"table": mapping})
     for wrong, message in (
         ({"table": mapping | {"phase": {"channel": 4, "unit": "m"}}}, "table.phase.unit"),
@@ -328,6 +328,7 @@ UNCLEAR = {
     "a response without a name": {"displacement (mm)": "probe 1 [mm]"},
     "another angle": {"phase (rad)": "lag [rad]"},
     "only units": {"Frequency [Hz]": "a [Hz]", "Force amplitude [N]": "b [N]", "phase (rad)": "d [rad]"},
+    "a frequency by its samples": {"Frequency [Hz]": "column 1", "level": "coherence"},
     "no unit of phase": {"phase (rad)": "phase"},
     "a column left over": {"level": "coherence"},
 }  # fmt: skip

@@ -231,6 +231,15 @@ def test_a_cell_of_text_among_numbers_is_named(tmp_path):
         read(_xlsx(tmp_path, rows))
 
 
+def test_a_number_in_a_cell_of_text_counts_and_an_error_of_a_sheet_is_a_missing_sample(tmp_path):
+    rows = [["t [s]", "base [mm]", "acc [g]"], *np.column_stack([T, Y, A]).tolist()]
+    rows[100][2], rows[101][2] = "0.25", "#N/A"
+    with pytest.warns(RecordWarning, match="'acc': 1 sample is empty .*: row 102"):
+        found = read(_xlsx(tmp_path, rows))["acceleration"]
+    assert found.values[99] == 0.25 * G
+    assert np.flatnonzero(found.missing).tolist() == [100]
+
+
 def test_several_segments_of_labview_are_refused(tmp_path):
     path = _lvm(tmp_path, "No")
     text = path.read_text(encoding="utf-8")

@@ -165,6 +165,15 @@ def test_a_unit_in_the_wrong_case_is_mended_by_what_the_message_says(tmp_path):
     assert "say unit: m, or as recorded, at channels.displacement in mapping" in str(of.value)
 
 
+def test_a_channel_with_another_name_and_a_quotient_for_its_unit_is_not_the_one_asked_for(tmp_path):
+    path = record(tmp_path, ["base [mm]", "w [m/s]"])
+    named = {BASE_D: {"channel": "base"}, V: {"channel": "v [m/s]"}}
+    with pytest.raises(RecordError, match=r"has no channel 'v \[m/s\]'; it has 1 'time \[s\]'"):
+        read(path, {"channels": named})
+    named[V]["channel"] = "W [m/s]"
+    assert held(read(path, {"channels": named})) == {BASE_D: 0, V: 1}
+
+
 def test_a_time_that_another_column_in_seconds_precedes_is_still_the_time(tmp_path):
     path = record(tmp_path, ["pulse [ms]", "CH1 [mm]", "CH2 [g]"])
     path.write_text(path.read_text().replace("time [s]\tpulse [ms]", "pulse [ms]\ttime"))

@@ -17,8 +17,7 @@ from typing import Any
 from ..identification.outputs import REPORT, require_room
 from .main import parser
 from .options import argument
-from .simulate import ARGUMENTS as OF_SIMULATED
-from .simulate import DAMPING, FRICTION
+from .simulate import CONTACT, DAMPING, FRICTION, MASS, STIFFNESS
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "folder": argument(
@@ -33,9 +32,6 @@ ARGUMENTS: dict[str, dict[str, Any]] = {
 }
 
 _LEVELS_MM = (4, 6, 8, 10, 12)
-_STIFFNESS, _CONTACT, _MASS = (
-    OF_SIMULATED[name]["default"] for name in ("--stiffness", "--contact-stiffness", "--mass")
-)
 _RECORD = shlex.split(
     "--frequency 3.5 --rate 1000 --cycles 20 --noise 0.01 --start 0.1 --decimals 6 "
     "--channel base_displacement --channel displacement --channel acceleration"
@@ -49,19 +45,18 @@ def run(options: argparse.Namespace) -> None:
     records = [folder / f"level{level}.csv" for level, _ in enumerate(_LEVELS_MM, start=1)]
     results = folder / "found"
     again = ["--overwrite"] * options.overwrite
-    require_room(
-        folder, [file.name for file in (*records, results)], "" if again else "--overwrite"
-    )
+    names = [file.name for file in (*records, results)]
+    require_room(folder, names, "" if again else "--overwrite")
     for seed, (record, level) in enumerate(zip(records, _LEVELS_MM, strict=True), start=1):
         motion = ("--amplitude", f"{level / 1000:g}", "--seed", f"{seed}")
         _run("simulate", str(record), *motion, *_RECORD, *again)
-    given = ["--stiffness", f"{_STIFFNESS:g}", "--mass", f"{_MASS:g}", "--frequency", "3.5"]
+    given = ["--stiffness", f"{STIFFNESS:g}", "--mass", f"{MASS:g}", "--frequency", "3.5"]
     given += ["--output", str(results)]
     report = results / REPORT
     print(f"\n$ dampbalance identify {shlex.quote(str(folder))}/level*.csv {shlex.join(given)}")
     _run("identify", *map(str, records), *given, *again)
     print(
-        f"\nThe records were made with F_k = {FRICTION:g} N, c = {DAMPING:g} N s/m and K_z = {_CONTACT:g} N/m: compare "
+        f"\nThe records were made with F_k = {FRICTION:g} N, c = {DAMPING:g} N s/m and K_z = {CONTACT:g} N/m: compare "
         f"the first line.\nThe report is {report}. Repeat the command above with records of your own."
     )
     if options.open:

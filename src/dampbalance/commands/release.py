@@ -13,12 +13,15 @@ friction are then in rad, rad/s, kg m², N m s/rad, N m/rad and N m.
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from ..records.channel import ABSOLUTE, ROTATING
 from ..records.record import Record
 from ..records.synthetic import measured_ring_down
 from .options import quantity
-from .simulate import arguments, oscillator, require_brief, write_new
+from .simulate import arguments, oscillator, require_brief, writing
+
+_CHANNELS = ("displacement",)
 
 ARGUMENTS = arguments(
     {
@@ -29,27 +32,16 @@ ARGUMENTS = arguments(
     },
     "the largest value of the channel",
     [*ABSOLUTE, *(q for q, linear in ROTATING.items() if linear in ABSOLUTE)],
-    ["displacement"],
+    _CHANNELS,
 )
 
 
-def run(options: argparse.Namespace) -> None:
-    """Simulate and write a record of a free decay."""
-    write_new(options, _measurement)
-
-
-def _measurement(options: argparse.Namespace) -> Record:
+def _decay(options: argparse.Namespace, **common: Any) -> Record:
     """Return the record of a free decay."""
     osc = oscillator(options, {})
     require_brief(osc, options.duration, f"{options.duration:g} s", "a shorter --duration")
-    return measured_ring_down(
-        osc,
-        x=options.displacement,
-        v=options.velocity,
-        rate_hz=options.rate,
-        duration=options.duration,
-        held=options.held,
-        noise=options.noise,
-        seed=options.seed,
-        channels=tuple(options.channel or ("displacement",)),
-    )
+    x, v, duration, held = options.displacement, options.velocity, options.duration, options.held
+    return measured_ring_down(osc, x=x, v=v, duration=duration, held=held, **common)
+
+
+run = writing(_decay, _CHANNELS)

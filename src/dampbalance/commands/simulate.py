@@ -41,7 +41,8 @@ from .options import FILE, argument, coefficients, quantity, sliders, whole
 
 _MOST_SWINGS = 300_000  # a second or two of computing
 _MOST_SWINGS_OF_LAW = 3_000  # a minute or two
-DAMPING, FRICTION = 90.0, 1.28  # the paper's c, N s/m, and F_k, N
+# the paper's oscillator: m, kg, c, N s/m, k and K_z, N/m, F_k, N
+MASS, DAMPING, STIFFNESS, CONTACT, FRICTION = 2.42, 90.0, 2310.0, 208000.0, 1.28
 
 
 def arguments(
@@ -56,10 +57,10 @@ def arguments(
     return {
         "record": argument(".csv or other text, or .mat", **FILE),
         **own,
-        "--mass": quantity("m", 2.42, "m, kg"),
+        "--mass": quantity("m", MASS, "m, kg"),
         "--damping": quantity("c", None, f"c, N s/m (default: {DAMPING:g})"),
-        "--stiffness": quantity("k", 2310.0, "k, N/m"),
-        "--contact-stiffness": quantity("K_z", 208000.0, "K_z, N/m"),
+        "--stiffness": quantity("k", STIFFNESS, "k, N/m"),
+        "--contact-stiffness": quantity("K_z", CONTACT, "K_z, N/m"),
         "--friction": quantity("F_k", None, f"F_k, N (default: {FRICTION:g})"),
         "--rate": quantity("rate_hz", 5000.0, "samples per second"),
         "--noise": quantity("noise", 0.0, f"rms, relative to {noise_of}"),
@@ -99,25 +100,28 @@ ARGUMENTS = arguments(
 )
 
 
-def run(options: argparse.Namespace) -> None:
-    """Simulate and write a record of the steady response."""
-    write_new(options, _measurement)
+def writing(
+    simulated: Callable[..., Record], default: Sequence[str]
+) -> Callable[[argparse.Namespace], None]:
+    """Return a command that writes a record, and prints the name of its file.
 
+    simulated : function that takes options and, by their names, what all records have.   default : its quantities.
 
-def write_new(
-    options: argparse.Namespace, simulated: Callable[[argparse.Namespace], Record]
-) -> None:
-    """Write the record that options ask for, and print the name of its file.
-
-    Raises ValueError where it exists and may not be replaced, before it is simulated.
+    The command raises ValueError where the file exists and may not be replaced, before anything is simulated.
     """
-    if options.record.exists() and not options.overwrite:
-        remedy = "choose another name, or add --overwrite"
-        raise ValueError(f"{options.record} exists already: {remedy}")
-    print(f"Written: {write(options.record, simulated(options))}")
+
+    def run(options: argparse.Namespace) -> None:
+        if options.record.exists() and not options.overwrite:
+            remedy = "choose another name, or add --overwrite"
+            raise ValueError(f"{options.record} exists already: {remedy}")
+        samples = {"rate_hz": options.rate, "noise": options.noise, "seed": options.seed}
+        record = simulated(options, channels=tuple(options.channel or default), **samples)
+        print(f"Written: {write(options.record, record)}")
+
+    return run
 
 
-def _measurement(options: argparse.Namespace) -> Record:
+def _steady_record(options: argparse.Namespace, **common: Any) -> Record:
     """Return the record of a steady response."""
     law = dict(options.law or {})
     if options.sliders and options.law:
@@ -126,16 +130,16 @@ def _measurement(options: argparse.Namespace) -> Record:
     motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
     cycle = f"a cycle of {options.frequency:g} Hz"
     require_brief(osc, 1.0 / options.frequency, cycle, "a higher --frequency", bool(law))
-    measurement = measured_orbit(
-        _steady(osc, motion, law, options.sliders),
-        rate_hz=options.rate,
-        cycles=options.cycles,
-        noise=options.noise,
-        seed=options.seed,
-        channels=tuple(options.channel or _CHANNELS),
-        start=options.start,
-    )
-    return measurement if options.decimals is None else _rounded(measurement, options.decimals)
+    orbit: Orbit | Response | SlidersOrbit
+    if options.sliders:
+        orbit = sliders_orbit(osc, motion, *zip(*options.sliders, strict=True))
+    else:  # exact where the law is friction and c
+        orbit = law_response(osc, motion, law) if law else steady_orbit(osc, motion)
+    record = measured_orbit(orbit, cycles=options.cycles, start=options.start, **common)
+    return record if options.decimals is None else _rounded(record, options.decimals)
+
+
+run = writing(_steady_record, _CHANNELS)
 
 
 def require_brief(
@@ -168,20 +172,6 @@ def oscillator(
         for symbol in ("c", "F_k")
     )
     return Oscillator(options.mass, c, options.stiffness, options.contact_stiffness, F_k)
-
-
-def _steady(
-    osc: Oscillator,
-    motion: BaseMotion,
-    law: dict[str, float],
-    elements: list[tuple[float, float]] | None,
-) -> Orbit | Response | SlidersOrbit:
-    """Return the steady response: exact where the law is friction and c."""
-    if elements:
-        return sliders_orbit(osc, motion, *zip(*elements, strict=True))
-    if not law:
-        return steady_orbit(osc, motion)
-    return law_response(osc, motion, law)
 
 
 def _rounded(measurement: Record, decimals: int) -> Record:

@@ -1,4 +1,4 @@
-"""Writes a result to a folder, all files of it or none."""
+"""A result as the files of a folder."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from .outputs import (
     require_room,
     written_together,
 )
-from .report import report
 
 if TYPE_CHECKING:
     from .result import Result
@@ -32,6 +31,8 @@ def save(found: Result[Any], folder: str | Path, *, figures: bool, overwrite: bo
     pictures = (*pictures_of(found.figures), REPORT) if flag("figures", figures) else ()
     with written_together(folder, (*pictures, *reversed(TABLES))) as new:
         if figures:
+            from .report import report  # slow to import
+
             write_text(new / REPORT, report(found, new))
         write_rows(new / ESTIMATES, table(found))
         write_text(new / SUMMARY, found.text())

@@ -22,16 +22,8 @@ from ..project.wording import listed, shortened, visible
 from ..records.channel import ABSOLUTE, Channel
 from ..records.errors import RecordError
 from ..records.guess import Guesses, is_table_of_lines
-from ..records.headings import (
-    STANDARD_ERROR,
-    column_of,
-    full_name,
-    last_part,
-    unit_of,
-    without_number,
-    words_of,
-)
-from ..records.mapping import ChannelRule, RecordMapping, Which
+from ..records.headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
+from ..records.mapping import ChannelRule, RecordMapping
 from ..records.record import Record
 from ..records.table import Table
 from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, table_factor
@@ -178,35 +170,27 @@ class _Table:
 
     def __init__(self, file: Table, rules: RecordMapping) -> None:
         self.file, self.rules = file, rules
-        self.where = rules.source or f"{file.path}.yaml"
+        self.guesses = Guesses(file, rules, stepped=True)
         self.columns: dict[str, dict[Place, int]] = {}
         recognised = ((role, i) for i, raw in enumerate(file.channels) if (role := column_of(raw)))
         for role, i in self._named() if rules.table else recognised:
-            group, _, number = _parts(file.channels[i].name)
-            other = self.columns.setdefault(role, {}).setdefault((group, number), i)
+            place = _place(file.channels[i].name)
+            other = self.columns.setdefault(role, {}).setdefault(place, i)
             if other != i:
-                both = listed([shortened(full_name(file.channels[at])) for at in (other, i)])
-                draft = Guesses(file, rules, stepped=True).proposed("Say which is which")
-                raise self._error(f"{both} are both taken for {role}. {draft}")
+                both = listed([self.guesses.names[at] for at in (other, i)])
+                raise self.guesses.unclear(f"{both} are both taken for {role}")
         for role in [q for q in self.columns if q.removesuffix(STANDARD_ERROR) not in self.columns]:
             del self.columns[role]
         answers = [q for q in _RESPONSES if q in self.columns]
         per_force = bool({*answers} & {*PER_FORCE})
         drives = [q for q in _DRIVES[: 1 if per_force else None] if q in self.columns]
-        if per_force and not drives and rules.force_N:
-            drives = [""]
+        drives = drives or [""] * bool(per_force and rules.force_N)
+        drive = "the force (or force_N, of all lines)" if per_force else "a force or the base"
         needed = {q: [q] * (q in self.columns) for q in ("frequency", "phase")}
-        needed["the force (or force_N, of all lines)" if per_force else "a force or the base"] = (
-            drives
-        )
-        needed[f"a response ({', '.join(_RESPONSES)})"] = answers
+        needed |= {drive: drives, f"a response ({', '.join(_RESPONSES)})": answers}
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            guesses = Guesses(file, rules, stepped=True)
-            raise self._error(
-                f"finds {listed(wrong)}; a table has one of each. Its columns are {guesses.overview}. "
-                + guesses.proposed("Say which is which")
-            )
+            raise self.guesses.unclear(f"finds {listed(wrong)}")
         self.drive, self.answer = drives[0], answers[0]
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
 
@@ -218,26 +202,12 @@ class _Table:
     def _named(self) -> Iterator[tuple[str, int]]:
         """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
         for quantity, rule in self.rules.table.items():
-            for role, which in (
-                (quantity, rule.channel),
-                (quantity + STANDARD_ERROR, rule.standard_error),
-            ):
-                yield from ((role, i) for i in self._matching(which, role))
-
-    def _matching(self, which: Which | None, role: str) -> list[int]:
-        channels = self.file.channels
-        if which is None or (isinstance(which, int) and which <= len(channels)):
-            return [] if which is None else [which - 1]
-        spelt = [{raw.name, full_name(raw), raw.label} for raw in channels]
-        of_matrices = [{without_number(raw.name)} for raw in channels]
-        alone = [{_parts(raw.name)[1]} for raw in channels]
-        for names in (spelt, of_matrices, alone):
-            if found := [i for i, own in enumerate(names) if which in own]:
-                return found
-        held = ", ".join(shortened(full_name(raw)) for raw in channels[:20])
-        raise self._error(
-            f"has no column {which!r}, which table.{role} in {self.where} names; it has {held}"
-        )
+            yield from (
+                (quantity, i) for i in self.guesses.find(rule.channel, f"table.{quantity}.channel")
+            )
+            if rule.standard_error is not None:
+                found = self.guesses.find(rule.standard_error, f"table.{quantity}.standard_error")
+                yield from ((quantity + STANDARD_ERROR, i) for i in found)
 
     def _factor(self, role: str) -> float:
         """Return SI units per unit of a column; of a standard error those of its quantity."""
@@ -247,11 +217,12 @@ class _Table:
         text = rule.unit or unit_of(raw)
         try:
             if text is None:
-                raise UnitError(f"has no unit: state it at table.{quantity}.unit in {self.where}")
+                raise UnitError(
+                    f"has no unit: state it at table.{quantity}.unit in {self.guesses.where}"
+                )
             factor = rule.scale * table_factor(text, quantity)
         except UnitError as error:
-            draft = Guesses(self.file, self.rules, stepped=True)
-            remedy = "" if self.rules.table else f". {draft.proposed('Say what it is')}"
+            remedy = "" if self.rules.table else f". {self.guesses.proposed('Say what it is')}"
             raise self._error(f"column {shortened(raw.name)}: {error}{remedy}") from None
         if quantity == "frequency":
             return 2.0 * math.pi * factor
@@ -267,7 +238,7 @@ class _Table:
             unit = "rad" if few else "deg"
             raise self._error(
                 f"phases from {low:.3g} to {high:.3g} rad do not occur in tables: they are in {unit}; state it at "
-                f"table.phase.unit in {self.where}"
+                f"table.phase.unit in {self.guesses.where}"
             )
         by_force = self.drive in ("", "force")
         quarters, sign, phis = self._convention(levels, 3 if by_force else 4)
@@ -390,12 +361,11 @@ def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> f
     return total
 
 
-def _parts(name: str) -> tuple[str, str, int]:
-    """Group, name and number of a column: "a.b.force[2]" is the second force in a.b."""
-    match = re.fullmatch(r"(.*?)(?:\[(\d+)\])?", name)
-    assert match is not None
-    last = last_part(match[1])
-    return match[1].removesuffix(last).rstrip("/."), last, int(match[2] or 0)
+def _place(name: str) -> Place:
+    """Group and number of a column: "a.b.force[2]" is the second force in a.b."""
+    last = last_part(name)
+    number = re.search(r"\[(\d+)\]$", last)
+    return name.removesuffix(last).rstrip("/."), int(number[1]) if number else 0
 
 
 def _called(place: Place) -> str:

@@ -107,7 +107,7 @@ class _OfForced(TypedDict, total=False):
     frequency: Annotated[float | str | None, Option(
         "known drive frequency; compared with that of each record", None, NUMBERS["frequency"])]
     groups: Annotated[Groups, Option(
-        "terms that have a coefficient for each group of records, with a label for each record")]
+        "terms with a coefficient for each group of records: a label per record, as A, A, B for F_k")]
     contact_to: Annotated[Held, Option(
         "what holds the friction contact; base for a mount, whose spring, damper and friction all sit on the table "
         "and whose mass is given", "ground")]
@@ -127,7 +127,7 @@ class _OfForcedOrSteppedSine(TypedDict, total=False):
     terms: Annotated[Names, Option(
         "terms of the damping law, friction among them; default, F_k, c and those given; known: "
         f"{', '.join(KNOWN_TERMS)}")]
-    given: Annotated[Coefficients, Option("known coefficients of terms, SI")]
+    given: Annotated[Coefficients, Option("known coefficients of terms, SI, as 0.669 for c")]
 
 
 class _OfSteppedSine(TypedDict, total=False):
@@ -259,10 +259,8 @@ def schema_of_options(forms: Mapping[str, Any]) -> dict[str, Any]:
         if of.bounds is not None:
             schema |= {"minimum": of.bounds.low, "maximum": of.bounds.high}
             words = f"{of.bounds}: {words}"
-        left_out = (
-            "null or left out for none" if of.default is None else f"{of.default} if left out"
-        )
-        schema["description"] = f"{words[0].upper()}{words[1:]}; {left_out}."
+        default = "may be null or" if of.default is None else f"{of.default} if".lower()
+        schema["description"] = f"{words[0].upper()}{words[1:]}; {default} left out."
         keys[of.key] = schema
         if of.error_key:
             words = f"Standard uncertainty of {of.key}, below it; null or left out where it is not known."

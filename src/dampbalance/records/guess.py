@@ -29,31 +29,27 @@ from .headings import (
     full_name,
     holds_time,
     key_of,
-    last_part,
     names_time,
+    of_level,
     quantity_of,
     unit_of,
     unusable,
     without_number,
     words_of,
 )
-from .mapping import RecordMapping
+from .mapping import RecordMapping, Which
 from .table import Table
 from .units import (
     DIMENSIONS,
     PER_FORCE,
     TABLE_DIMENSIONS,
-    UnitError,
     find_motion,
     find_other,
     find_unit,
-    table_factor,
 )
 
 LISTED = 20  # columns in a message
-_ABSOLUTE_VALUE = {
-    *("absolute", "abs", "absolut", "total", "magnitude", "norm", "resultant", "resultierende")
-}
+_OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _ROUNDING = 1e-3  # relative, of the absolute value of three axes
 _FEWEST = 4  # samples of which it shows that they rise in equal steps
 _ROUNDED = 0.6  # steps; times with too few digits are off by less
@@ -69,7 +65,7 @@ _BY_NAME, _BY_UNIT = "by its name", "by its unit"
 _BY_NOTHING = "neither name nor unit says what it is"
 _FIRST = "; taken as the drive, as it comes first"
 _RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
-_MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity]}
+_MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity].split()}
 _DRIVES = (*EXCITATIONS, "base_velocity")
 _RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
 _UNITS = {
@@ -77,16 +73,7 @@ _UNITS = {
     **{"frequency": "Hz", "phase": "rad", "base_velocity": "m/s"},
     **{"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s²/N"},
 }
-_KEPT = (
-    "delimiter",
-    "decimal",
-    "header_lines",
-    "sample_rate_hz",
-    "frequency_hz",
-    "level",
-    "notes",
-    "force_N",
-)
+_KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes force_N"
 """Keys of a mapping that stay in the one suggested."""
 
 
@@ -112,23 +99,20 @@ class Samples:
     """The samples of each column (`values`), or none of one that cannot be read.
 
     aside : columns that are no motion and no force, by name, unit or samples, with what they are instead.
-    rising : steps of those that rise in equal steps and are no counters.
+    rising : those of them that rise in equal steps and are no counters.
     """
 
     def __init__(self, file: Table) -> None:
         everything = range(len(file.channels))
+        self.values = _samples(file, everything)
+        for i in () if self.values else everything[:_TRIED]:  # a text in some column
+            self.values |= _samples(file, [i]) or {i: np.empty(0)}
         self.aside: dict[int, str] = {}
-        self.rising: dict[int, float] = {}
-        self.values = _samples(file, everything) or {}
-        if not self.values:  # a text in some column
-            for i in everything[:_TRIED]:
-                self.values |= _samples(file, [i]) or {i: np.empty(0)}
-                if not self.values[i].size:
-                    self.aside[i] = "it does not hold numbers"
+        self.rising: list[int] = []
         for i, values in self.values.items():
             raw, finite = file.channels[i], values[np.isfinite(values)]
-            if (other := unusable(raw)) is not None:
-                self.aside[i] = other
+            if (other := unusable(raw)) or not values.size:
+                self.aside[i] = other or "it does not hold numbers"
             elif holds_time(raw) or finite.size < _FEWEST:
                 continue
             elif not np.ptp(finite):
@@ -137,18 +121,17 @@ class Samples:
                 counts = step == 1.0 and not np.any(finite % 1.0)
                 kind = "a counter" if counts else "a time"
                 self.aside[i] = f"rises by {step:.6g} from sample to sample: {kind}"
-                if not counts:
-                    self.rising[i] = step
+                self.rising += [i] * (not counts)
 
 
-def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array] | None:
-    """Return the samples of some columns; None where they cannot be read."""
+def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array]:
+    """Return the samples of some columns; nothing where they cannot be read."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
         try:
             return file.columns(wanted)
         except RecordError:
-            return None
+            return {}
 
 
 def _equal_step(values: Array) -> float | None:
@@ -195,31 +178,29 @@ class Guesses:
     def axes(self) -> dict[int, str]:
         """The channels of the one accelerometer of three axes, x, y and z, and their absolute value: why each is not
         read, or "" for the axis with the most motion, by its standard deviation. Nothing where there is none."""
-        names = {
-            (raw.name.lower(), raw.unit): i
-            for i, raw in enumerate(self.channels)
-            if by_unit(raw) == "acceleration"
-        }
-        threes = []
-        for name, unit in names:
-            for x in re.finditer("x", name):
-                alike = [f"{name[: x.start()]}{axis}{name[x.end() :]}" for axis in "xyz"]
-                three = [names[key, unit] for key in alike if (key, unit) in names]
-                threes += [three] if len(three) == len("xyz") else []
-        if len(threes) != 1 or any(not self.samples.values[i].size for i in threes[0]):
+        groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
+        ours = {i: raw for i, raw in enumerate(self.channels) if by_unit(raw) == "acceleration"}
+        for i, raw in ours.items():
+            name = raw.name.lower()
+            for axis in re.finditer("[xyz]", name):
+                group = name[: axis.start()], name[axis.end() :], raw.unit
+                groups.setdefault(group, {})[axis[0]] = i
+        threes = [{*of.values()} for of in groups.values() if len(of) == len("xyz")]
+        if len(threes) != 1 or not all(self.samples.values[i].size for i in threes[0]):
             return {}
-        values = {i: self.samples.values[i] for i in threes[0]}
-        moved = {i: float(np.nanstd(v)) for i, v in values.items()}
-        most = max(moved, key=lambda i: moved[i])
-        why = {i: f"it moves less than {shortened(self.channels[most].name)}" for i in moved}
-        absolute = np.sqrt(np.sum(np.square([*values.values()]), axis=0))
-        for i in names.values():
-            other = self.samples.values[i]
-            words = {*words_of(self.channels[i].name)}
-            near = other.size and np.allclose(other, absolute, rtol=_ROUNDING, equal_nan=True)
-            if i not in moved and (near or words & _ABSOLUTE_VALUE):
+        values = self.samples.values
+        most = max(threes[0], key=lambda i: float(np.nanstd(values[i])))
+        why = dict.fromkeys(threes[0], f"it moves less than {shortened(self.channels[most].name)}")
+        total = np.sqrt(np.sum(np.square([values[i] for i in threes[0]]), axis=0))
+        for i in ours.keys() - why.keys():
+            near = values[i].size and np.allclose(values[i], total, rtol=_ROUNDING, equal_nan=True)
+            if near or self._words(i) & {*_OF_AXES.split()}:
                 why[i] = "the absolute value of three axes"
         return why | {most: ""}
+
+    def _words(self, i: int) -> set[str]:
+        """The words of the heading of a column."""
+        return {*words_of(self.channels[i].name)}
 
     @cached_property
     def times(self) -> list[int]:
@@ -234,6 +215,27 @@ class Guesses:
         named = [i for i, name in enumerate(self.keys) if name in own]
         before = [i for i in self.times if i < index]
         return next(iter(named or before[-1:] or self.times), None)
+
+    def find(self, which: Which, key: str) -> list[int]:
+        """Return the column with a name or number; of a table of steady responses, those of all levels.   key : of the
+        mapping that names it."""
+        at, path = f"{self.where}: {key}:", self.path
+        if isinstance(which, int) and not 1 <= which <= len(self.channels):
+            remedy = f"{path} has {len(self.channels)}: {self.overview}"
+            raise RecordError(f"{at} there is no channel {which}; {remedy}")
+        if isinstance(which, int):
+            return [which - 1]
+        names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in self.channels]
+        spellings = (str, without_number, of_level) if self.stepped else (str, key_of)
+        for spelt in spellings:  # verbatim, else without regard to case, blanks and path
+            found = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
+            if len(found) > 1 and not self.stepped:
+                numbers = " and ".join(str(i + 1) for i in found[:LISTED])
+                which = f"{shortened(which)}, numbers {numbers}"
+                raise RecordError(f"{at} {path} has {len(found)} channels {which}; give one")
+            if found:
+                return found
+        raise RecordError(f"{at} {path} has no channel {shortened(which)}; it has {self.overview}")
 
     def spare(self, used: Collection[int]) -> list[int]:
         """Return the channels that are not used and may hold a motion or a force: no time, no temperature, no counter,
@@ -251,50 +253,48 @@ class Guesses:
         return Guess(str(quantity), _BY_NAME, CERTAIN if whole else LIKELY) if fits else None
 
     @cached_property
-    def certain(self) -> tuple[dict[str, int], str]:
-        """Quantity → channel, of the guesses that are certain. And which two channels compete for a quantity, if any.
+    def certain(self) -> tuple[dict[int, Guess], str]:
+        """The guesses that are certain, by their channels. And which two channels compete for a quantity, if any.
 
         A force is no response: where nothing that drives is named, the only other signal drives if it is in a unit of
         force. Where something drives and no response is named, the only signal left with a motion, by name or unit, is
         the response; so is the only signal of all, the record being a free decay.
         """
-        chosen: dict[str, int] = {}
+        names: dict[str, int] = {}
         for i, raw in enumerate(self.channels):
             quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
             if i in self.axes:
                 quantity = None if self.axes[i] else "acceleration"
-            if self.mapping.free and {*words_of(raw.name)} & {*WORDS["base_displacement"]}:
-                continue  # the other axis of a camera: no base moves in a free decay
-            if quantity in chosen:
-                self.require_one_coordinate([chosen[quantity], i])
-                both = [shortened(self.channels[at].name) for at in (chosen[quantity], i)]
-                return chosen, f"takes both {' and '.join(both)} for {quantity}"
-            if quantity:
-                chosen[quantity] = i
-        answering, driving = ({*chosen} & {*of} for of in (RESPONSES, EXCITATIONS))
+            if self.mapping.free and WORDS["base_displacement"] in self._words(i):
+                quantity = None  # the other axis of a camera: no base moves in a free decay
+            if quantity and (other := names.setdefault(quantity, i)) != i:
+                self.require_one_coordinate([other, i])
+                both = [shortened(self.channels[at].name) for at in (other, i)]
+                return {}, f"takes both {' and '.join(both)} for {quantity}"
+        certain = {i: Guess(quantity, _BY_NAME) for quantity, i in names.items()}
+        answering, driving = (bool({*names} & {*of}) for of in (RESPONSES, EXCITATIONS))
         if answering and driving:
-            return chosen, ""
-        kinds = {coordinate_of(self.channels[i]) for i in chosen.values()}
-        others = self.spare(chosen.values())
+            return certain, ""
+        kinds = {coordinate_of(self.channels[i]) for i in certain}
+        others = self.spare(certain)
         left = [i for i in others if not kinds or coordinate_of(self.channels[i]) in kinds]
         if others and not left:
-            self.require_one_coordinate([*chosen.values(), *others])
-        units = {i: by_unit(self.channels[i]) for i in left}
-        forces = [i for i in left if units[i] == "force"]
-        if not driving and len(forces) == 1 and len(left) == 2 - bool(answering):
-            chosen["force"] = forces[0]
-        if not chosen and len(left) == 1 and (quantity := units[left[0]]) in ABSOLUTE:
-            return {str(quantity): left[0]}, ""
-        may = {
-            i: guess.quantity if (guess := self.named(i)) else units[i]
-            for i in left
-            if i not in forces
-        }
-        answers = [(q, i) for i, q in may.items() if q in RESPONSES]
-        nothing_else = len([*filter(None, may.values())]) == 1
-        if len(answers) == 1 and not answering and (self.mapping.free or (chosen and nothing_else)):
-            chosen |= answers
-        return chosen, ""
+            self.require_one_coordinate([*certain, *others])
+        units = {i: Guess(q, _BY_UNIT) for i in left if (q := by_unit(self.channels[i]))}
+        forces = [i for i, guess in units.items() if guess.quantity == "force"]
+        if not certain and len(left) == len(units) == 1 and not forces:
+            return units, ""
+        if not driving and len(forces) == 1 and len(left) == 2 - answering:
+            certain[forces[0]] = units[forces[0]]
+        may = {i: g for i in left if i not in forces and (g := self.named(i) or units.get(i))}
+        answers = {i: guess for i, guess in may.items() if guess.quantity in RESPONSES}
+        if (
+            len(answers) == 1
+            and not answering
+            and (self.mapping.free or (certain and len(may) == 1))
+        ):
+            certain |= answers
+        return certain, ""
 
     def require_one_coordinate(self, channels: Collection[int]) -> None:
         """Raise RecordError where some channels rotate and others move along a line."""
@@ -309,56 +309,49 @@ class Guesses:
         if not self.stepped:
             self._prefer(of)
         taken: dict[int, Guess] = {}
-        for i in sorted(
-            of, key=lambda i: (max(of[i][0].doubt, LIKELY), by_unit(self.channels[i]) is None)
-        ):
-            held = {self._slot(guess.quantity) for guess in taken.values()} - {""}
-            full = self._complete({guess.quantity for guess in taken.values()})
-            vague = [
-                g
-                for g in of[i]
-                if full and g.doubt >= UNSAID and (self.stepped or g.quantity in RESPONSES)
-            ]
-            taken[i] = next(
-                g for g in of[i] if g not in vague and self._slot(g.quantity) not in held
-            )
-        chosen = [i for i, guess in taken.items() if guess.quantity]
-        if len(chosen) == 1 and taken[chosen[0]].doubt > LIKELY:
-            quantity = taken[chosen[0]].quantity
-            only = Guess(_RESPONSE_OF.get(quantity, quantity), "the only signal")
-            taken |= {chosen[0]: only}
+        ranks = {i: (max(of[i][0].doubt, LIKELY), by_unit(self.channels[i]) is None) for i in of}
+        for i in sorted(of, key=ranks.__getitem__):
+            held = {guess.quantity for guess in taken.values()} - {""}
+            slots, full = {*map(self._slot, held)}, self._complete(held)
+            free = (guess for guess in of[i] if self._slot(guess.quantity) not in slots)
+            drives = () if self.stepped else EXCITATIONS
+            taken[i] = next(g for g in free if not full or g.doubt < UNSAID or g.quantity in drives)
+        if len(only := [(i, g) for i, g in taken.items() if g.quantity]) == 1:
+            ((i, guess),) = only
+            if guess.doubt > LIKELY and guess.quantity in _RESPONSE_OF:
+                taken[i] = Guess(_RESPONSE_OF[guess.quantity], "the only signal")
         return {i: taken[i] for i in of}
 
     def _prefer(self, of: dict[int, list[Guess]]) -> None:
         """Put first what is certain as no other column can be it; and where names call several alike and none a drive,
         take the first of them that is not the mass for it."""
-        chosen, competing = self.certain
-        for quantity, i in ({} if competing else chosen).items():
-            unit, first = by_unit(self.channels[i]), of[i][0]
-            fits = unit and DIMENSIONS[unit] == DIMENSIONS[quantity]
-            if fits and first.quantity and (first.quantity, first.reason) != (quantity, _BY_NAME):
-                of[i].insert(0, Guess(quantity, _BY_UNIT))
+        for i, guess in self.certain[0].items():
+            if (
+                guess.reason == _BY_UNIT
+                and replace(guess, reason=_BY_NAME, doubt=LIKELY) != of[i][0]
+            ):
+                of[i].insert(0, guess)
         sure = {i: guesses[0].quantity for i, guesses in of.items() if guesses[0].doubt <= LIKELY}
+        if {*sure.values()} & {*EXCITATIONS}:
+            return
         for driving, quantity in _RESPONSE_OF.items():
             alike = [i for i, q in sure.items() if q == quantity]
-            bare = [i for i in alike if not {*words_of(self.channels[i].name)} & {*WORDS["mass"]}]
-            if len(alike) > 1 and bare and not {*sure.values()} & {*EXCITATIONS}:
+            bare = [i for i in alike if not self._words(i) & {*WORDS["mass"].split()}]
+            if len(alike) > 1 and bare:
                 of[bare[0]] = [Guess(driving, _BY_NAME + _FIRST, LIKELY), of[bare[0]][-1]]
 
     def _of(self, i: int) -> list[Guess]:
         """Return the guesses for a column by itself, from the surest on; the last says why there is no other."""
-        raw, unit = self.channels[i], by_unit(self.channels[i])
         if self.stepped:
             return self._of_lines(i)
-        if i not in self.spare(()):
-            quantity = quantity_of(raw) or quantity_of(raw, all_words=False) or ""
-            moves = {*words_of(raw.name)} & _MOTIONS and quantity in RESPONSES
-            wrong_unit = find_other(raw.unit or "") and not unusable(replace(raw, unit=None))
-            against = [Guess(quantity, _BY_NAME, AGAINST_ITS_UNIT)] if moves and wrong_unit else []
-            return [*against, Guess("", self.samples.aside.get(i) or self.axes[i])]
+        raw, unit, named = self.channels[i], by_unit(self.channels[i]), self.named(i)
+        if i in self.samples.aside or self.axes.get(i):
+            moves = self._words(i) & _MOTIONS and unusable(raw)
+            against = named and moves and named.quantity in RESPONSES
+            found = [replace(named, doubt=AGAINST_ITS_UNIT)] if named and against else []
+            return [*found, Guess("", self.samples.aside.get(i) or self.axes[i])]
         if raw.unit and unit is None and not find_other(raw.unit):
             return [Guess("", f"its unit, {shortened(raw.unit)}, is no unit of motion or force")]
-        named = self.named(i)
         found, one = [named] if named else [], DIMENSIONS.get(unit or "")
         fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
         reason, doubt = (_BY_UNIT, POSSIBLE) if fitting else (_BY_NOTHING, UNSAID)
@@ -369,20 +362,26 @@ class Guesses:
         other = f"another channel is taken for {found[0].quantity}" if found else _BY_UNIT
         return [*found, Guess("", _BY_NOTHING if found and found[0].doubt == UNSAID else other)]
 
+    @cached_property
+    def per_force(self) -> bool:
+        """Whether a table has a column of responses per force."""
+        return bool({*map(column_of, self.channels)} & {*PER_FORCE})
+
     def _of_lines(self, i: int) -> list[Guess]:
         """Return the guesses for a column of a table of steady responses, from the surest on."""
         raw, named = self.channels[i], column_of(self.channels[i])
         unit = find_unit(raw.unit or "")
         fitting = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
-        found = (
-            [Guess(named, _BY_NAME)] if named else [Guess(q, _BY_UNIT, POSSIBLE) for q in fitting]
-        )
-        if not (found or raw.unit or i in self.samples.aside):
-            vague = ("frequency", "force", "displacement", "phase")
-            found = [Guess(q, _BY_NOTHING, UNSAID) for q in vague]
+        found = [Guess(q, _BY_UNIT, POSSIBLE) for q in fitting]
+        if named:
+            found = [Guess(named, _BY_NAME)]
+        elif i in self.samples.rising:
+            found = [Guess("frequency", "rises in equal steps", POSSIBLE)]
+        elif not raw.unit and i not in self.samples.aside:
+            found = [Guess(q, _BY_NOTHING, UNSAID) for q in ("force", "displacement", "phase")]
         said = found and found[0].doubt < UNSAID
         other = f"another column is taken for {found[0].quantity}" if said else _BY_NOTHING
-        if {*map(column_of, self.channels)} & {*PER_FORCE}:  # no base drives
+        if self.per_force:  # no base drives
             found = [guess for guess in found if not guess.quantity.startswith("base_")]
         return [*found, Guess("", other)]
 
@@ -410,9 +409,8 @@ class Guesses:
         driving = {*chosen} & {*EXCITATIONS}
         head = "channels:" if driving else "channels:  # a free decay, without an excitation"
         lines, times = ["table:" if self.stepped else head], self._times()
-        for quantity in (
-            q for q in (TABLE_DIMENSIONS if self.stepped else QUANTITIES) if q in chosen
-        ):
+        order = TABLE_DIMENSIONS if self.stepped else QUANTITIES
+        for quantity in filter(chosen.__contains__, order):
             i, reason = chosen[quantity], self.draft[chosen[quantity]].reason
             stated, remark = self._in_unit(i, quantity)
             name = quantity if self.stepped else coordinate_of(self.channels[i]).key(quantity)
@@ -422,12 +420,12 @@ class Guesses:
             if relative and not self.stepped:
                 remark = f"; relative_{name} if measured against the base{remark}"
             lines.append(f"  {name}: {{channel: {self._which(i)}{stated}}}  # {reason}{remark}")
-        for key in _KEPT:
+        for key in _KEPT.split():
             if (value := getattr(self.mapping, key)) not in (None, ""):
                 lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
         if not self.stepped:
             lines += self._time(times)
-        elif {*chosen} & {*PER_FORCE} and not driving and not self.mapping.force_N:
+        elif self.per_force and not driving and not self.mapping.force_N:
             lines.append("force_N: 1.0  # the file has no force: replace by its amplitude")
         read = {self.keys[i] for i in chosen.values()} if self.stepped else set()  # of all levels
         aside = [
@@ -440,36 +438,31 @@ class Guesses:
 
     def _in_unit(self, i: int, quantity: str) -> tuple[str, str]:
         """Return the unit and scale of a column in the mapping, and a remark on them."""
-        raw, values = self.channels[i], self.samples.values[i]
+        values, text = self.samples.values[i], unit_of(self.channels[i]) or ""
         unit, large = _UNITS.get(quantity, ""), values.size and 0.5 * np.ptp(values)
+        own, dimension = find_motion(text), DIMENSIONS.get(quantity)
+        if self.stepped:
+            own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
         if not unit:  # a level
             return "", ""
-        if own := self._own_unit(unit_of(raw) or "", quantity):
-            return f", unit: {own}", ""
-        if unit == "m" and (raw.unit or large > _IN_MM):
+        if own and dimension in (own.dimension, own.counterpart):
+            return f", unit: {own.name}", ""
+        if text and quantity in PER_FORCE:
+            return f", unit: {text}", ""
+        if unit == "m" and (text or large > _IN_MM):
             unit = "mm"
-        if raw.unit:
-            remark = f"; recorded in {raw.unit}: replace 1.0 by the {unit} per {raw.unit}"
+        if text:
+            remark = f"; recorded in {text}: replace 1.0 by the {unit} per {text}"
             return f", unit: {unit}, scale: 1.0", remark
         unit = "deg" if quantity == "phase" and large > _TURNS else unit
         return f", unit: {unit}", "; unit guessed, the file has none"
-
-    def _own_unit(self, text: str, quantity: str) -> str:
-        """Return the unit of a column as a mapping gives it, if it fits the quantity; "" otherwise."""
-        own = find_motion(text)
-        if not self.stepped:
-            return own.name if own and own.counterpart == DIMENSIONS[quantity] else ""
-        try:
-            return text if text and table_factor(text, quantity) else ""
-        except UnitError:
-            return ""
 
     def _times(self) -> list[int]:
         """Return the columns of times in the draft: by the mapping, name or unit, or as the only ones that rise."""
         if self.mapping.time is not None:
             which = self.mapping.time
             return [i for i, raw in enumerate(self.channels) if which in (i + 1, raw.name)]
-        return self.times or sorted(self.samples.rising)
+        return self.times or self.samples.rising
 
     def _time(self, times: Sequence[int]) -> list[str]:
         """Return the line about times, if one is needed."""
@@ -483,7 +476,8 @@ class Guesses:
         known = find_unit(self.mapping.time_unit or unit_of(self.channels[first]) or "")
         if known is not None and known.dimension == "time":
             return [f"{line}{known.name}}}"] if len(times) == 1 else []
-        step = self.samples.rising.get(first) or _equal_step(self.samples.values[first])
+        values = self.samples.values[first]
+        step = _equal_step(values[np.isfinite(values)])
         unit = next(unit for unit, least in _TIME_UNITS.items() if (step or 0.0) >= least)
         shows = f"rises by {step:.6g} from sample to sample; " if step else ""
         return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
@@ -492,7 +486,7 @@ class Guesses:
         """Return a column as a mapping names it: by its name, or by its number where that is long or not its alone."""
         name = self.channels[i].name
         if self.keys.count(self.keys[i]) > 1 and self.stepped:  # one column for each level
-            name = without_number(last_part(name))
+            name = of_level(name)
         elif self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
             return str(i + 1)
         plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
@@ -510,15 +504,13 @@ class Guesses:
 
     def unclear(self, what: str) -> RecordError:
         """Return the error for columns that cannot be distinguished: what is missing, and the mapping to write."""
-        if self.stepped:
-            return RecordError(
-                f"{self.path}: {what}; its columns are {self.overview}. {self.proposed('Say which is which')}"
-            )
-        return RecordError(
-            f"{self.path}: {what}; it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind "
-            f"ring-down), and at least one of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the "
-            f"base). Its channels are {self.overview}. {self.proposed('Say which is which')}"
+        needed = (
+            f"it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind ring-down), and at least one "
+            f"of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels"
         )
+        needed = "a table has one of each. Its columns" if self.stepped else needed
+        shown = f"{self.overview}. {self.proposed('Say which is which')}"
+        return RecordError(f"{self.path}: {what}; {needed} are {shown}")
 
 
 def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
@@ -541,8 +533,5 @@ def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None 
         raise RecordError(f"{mapping.source} names the channels of {file.path} already")
     guesses = Guesses(file, mapping, stepped=stepped)
     if not guesses.complete:
-        what = (
-            "lacks columns of a table of a stepped sine" if guesses.stepped else "finds no response"
-        )
-        raise guesses.unclear(what)
+        raise guesses.unclear("finds too few columns" if guesses.stepped else "finds no response")
     return "\n".join([*guesses.lines(), ""])

@@ -24,36 +24,28 @@ from .units import (
     find_unit,
 )
 
-WORDS: dict[str, tuple[str, ...]] = {
-    "displacement": (
-        *("displacement", "disp", "deflection", "x", "weg", "auslenkung", "verschiebung"),
-        *("angle", "rotation", "theta", "winkel"),
-    ),
-    "velocity": ("velocity", "vel", "v", "geschwindigkeit", "speed", "drehzahl"),
-    "acceleration": ("acceleration", "accel", "acc", "beschleunigung"),
-    "force": ("force", "kraft", "torque", "moment", "drehmoment"),
-    "base_displacement": ("y",),
-    "base": (
-        *("base", "ground", "table", "shaker", "foundation", "support", "excitation", "input"),
-        *("in", "eingang"),
-        *("basis", "boden", "tisch", "fundament", "fußpunkt", "anregung", "erregung"),
-    ),
-    "mass": (
-        *("mass", "response", "absolute", "output", "out"),
-        *("masse", "antwort", "absolut", "ausgang"),
-    ),
-    "relative": ("relative", "rel", "relativ"),
-}  # fmt: skip
+WORDS = {
+    "displacement": "displacement disp deflection x weg auslenkung verschiebung "
+    "angle rotation theta winkel",
+    "velocity": "velocity vel v geschwindigkeit speed drehzahl",
+    "acceleration": "acceleration accel acc beschleunigung",
+    "force": "force kraft torque moment drehmoment",
+    "base_displacement": "y",
+    "base": "base ground table shaker foundation support excitation input in eingang "
+    "basis boden tisch fundament fußpunkt anregung erregung",
+    "mass": "mass response absolute output out masse antwort absolut ausgang",
+    "relative": "relative rel relativ",
+}
 """Words by which a channel is recognised, in lower case: quantities, then what moves, and against what. "in" counts at
 the end of a heading alone."""
 
 WORDS_OF_TABLES = {
-    "frequency": ("frequency", "freq", "f", "frequenz", "omega", "ω"),
-    "phase": ("phase", "phi", "φ", "phasenwinkel", "phasenlage"),
-    "level": ("level", "stufe", "pegel", "niveau"),
-    "receptance": ("receptance", "compliance", "nachgiebigkeit"),
-    "mobility": ("mobility", "admittanz"),
-    "accelerance": ("accelerance", "inertance"),
+    "frequency": "frequency freq f frequenz omega ω",
+    "phase": "phase phi φ phasenwinkel phasenlage",
+    "level": "level stufe pegel niveau",
+    "receptance": "receptance compliance nachgiebigkeit",
+    "mobility": "mobility admittanz",
+    "accelerance": "accelerance inertance",
 }
 """Words of the heading of a column of a table of steady responses; those of amplitudes are those of a record."""
 
@@ -63,7 +55,7 @@ STANDARD_ERROR = "_standard_error"
 TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
 """Words of a heading that make a channel a temperature, which is left aside."""
 
-_MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words}
+_MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words.split()}
 # words that suffice for a guess alone
 _HINTS = {"reference": "base"} | dict.fromkeys(
     ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
@@ -95,13 +87,18 @@ _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
 def last_part(name: str) -> str:
-    """Return the last part of a path of groups or structures."""
-    return re.split(r"[/.](?=[^/.])", name.strip())[-1].strip()
+    """Return the last part of a path of groups or structures; a quotient in brackets, x [m/s], is no path."""
+    return re.split(r"[/.](?=[^/.])(?![^\[(]*[\])])", name.strip())[-1].strip()
 
 
 def without_number(name: str) -> str:
     """Return a name without the number of a column of a matrix, force of force[2]."""
     return re.sub(r"\[\d+\]$", "", name)
+
+
+def of_level(name: str) -> str:
+    """Return what the columns of all levels are called: force of one.force[2]."""
+    return without_number(last_part(name))
 
 
 def key_of(name: str) -> str:
@@ -180,7 +177,7 @@ def column_of(raw: RawChannel) -> str | None:
     unit = find_unit(raw.unit or "")
     for quantity, known in WORDS_OF_TABLES.items():
         fits = not unit or quantity in PER_FORCE or unit.dimension == TABLE_DIMENSIONS[quantity]
-        if fits and {*words} & {*known}:
+        if fits and {*words} & {*known.split()}:
             return quantity + ending
     words = [w for w in words if w not in _OF_AMPLITUDES | _OF_ERRORS]
     words = [w for w in words if len(w) > 1 or w in _MEANINGS]  # F [N], A [g]

@@ -25,9 +25,9 @@ from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sa
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
-from .guess import LISTED, Guesses, first_of
-from .headings import by_unit, coordinate_of, full_name, holds_time, key_of, unit_of, unusable
-from .mapping import ChannelRule, RecordMapping, Which
+from .guess import Guesses, first_of
+from .headings import by_unit, coordinate_of, holds_time, unit_of, unusable
+from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import RawChannel, Table
 from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
@@ -102,19 +102,17 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     guesses = Guesses(file, mapping)
     rules: Mapping[str, ChannelRule] = mapping.channels
     if rules:
-        chosen = {
-            q: _find(guesses, rule.channel, f"channels.{q}.channel") for q, rule in rules.items()
-        }
+        named = {q: guesses.find(of.channel, f"channels.{q}.channel") for q, of in rules.items()}
+        chosen = {q: found[0] for q, found in named.items()}
     else:
-        chosen, competing = guesses.certain
+        certain, competing = guesses.certain
         if competing:
             raise guesses.unclear(competing)
+        chosen = {guess.quantity: i for i, guess in certain.items()}
         if mapping.free:
             # a possible excitation with a known unit is read as well, to see that it stands still
-            moving = [
-                q for q in EXCITATIONS if q in chosen and by_unit(guesses.channels[chosen[q]])
-            ]
-            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *moving[:1])}
+            drives = [q for q in EXCITATIONS if q in chosen and by_unit(file.channels[chosen[q]])]
+            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *drives[:1])}
         rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
     driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
     if entire and len(driving) > 1:
@@ -151,7 +149,7 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pic
     which, key = rule.time, f"channels.{quantity}.time"
     if which is None:
         which, key = guesses.mapping.time, "time.channel"
-    time = guesses.time_of(index) if which is None else _find(guesses, which, key)
+    time = guesses.time_of(index) if which is None else guesses.find(which, key)[0]
     if time == index:
         raise RecordError(f"{guesses.path}: channel {raw.name!r} cannot be its own time")
     if time is not None:
@@ -171,7 +169,7 @@ def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
     """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
     signals as long as those read that no name distinguished; a displacement or velocity that only its unit shows, which
     may be that against a base that moves."""
-    names = [shortened(full_name(raw)) for raw in guesses.channels]
+    names = guesses.names
     for axis in (i for i, why in guesses.axes.items() if not why):
         use = "is used as the acceleration of the mass, as it is the axis with the most motion"
         yield f"{names[axis]} {use}; name another in {guesses.where} if the mass moves along it"
@@ -189,32 +187,8 @@ def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
     for quantity in ("displacement", "velocity"):
         if moving and quantity in chosen and guesses.named(chosen[quantity]) is None:
             use = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
-            remedy = (
-                f"say relative_{quantity} in {guesses.where} if it is measured against the base"
-            )
-            yield f"{names[chosen[quantity]]} {use}; {remedy}"
-
-
-def _find(guesses: Guesses, which: Which, key: str) -> int:
-    """Return the index of the channel with a name or number."""
-    at, path, channels = f"{guesses.mapping.source}: {key}:", guesses.path, guesses.channels
-    if isinstance(which, int):
-        if 1 <= which <= len(channels):
-            return which - 1
-        remedy = f"{path} has {len(channels)}: {guesses.overview}"
-        raise RecordError(f"{at} there is no channel {which}; {remedy}")
-    names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in channels]
-    for spelt in (str, key_of):  # verbatim, else without regard to case, blanks and path
-        matches = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
-        if len(matches) == 1:
-            return matches[0]
-        if matches:
-            numbers = " and ".join(str(i + 1) for i in matches[:LISTED])
-            raise RecordError(
-                f"{at} {path} has {len(matches)} channels {shortened(which)}, numbers {numbers}; give one"
-            )
-    remedy = f"it has {guesses.overview}"
-    raise RecordError(f"{at} {path} has no channel {shortened(which)}; {remedy}")
+            say = f"say relative_{quantity} in {guesses.where}"
+            yield f"{names[chosen[quantity]]} {use}; {say} if it is measured against the base"
 
 
 def _unit(guesses: Guesses, raw: RawChannel, given: str | None, quantity: str) -> float:

@@ -10,10 +10,11 @@ import itertools
 import re
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
@@ -58,10 +59,14 @@ _NUMBER = {
 _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
+class NoRows(RecordError):
+    """A text that holds no rows of at least two numbers."""
+
+
 def cells_of(line: str, delimiter: str, comment: str) -> list[str]:
     """Return the cells of a line without its comment; none for a blank line."""
     line = line.split(comment, 1)[0].rstrip("\r\n")
-    if not line.strip():
+    if not line.strip(" " if delimiter == "\t" else None):  # tabs alone are a row of empty cells
         return []
     return line.split() if delimiter == WHITESPACE else _split(line, delimiter)
 
@@ -245,7 +250,7 @@ def _seconds(cells: pd.Series[str]) -> Array:
     times: Any = pd.TimedeltaIndex(pd.to_timedelta(texts)) if kind is _SPAN else None
     if times is None:
         times = pd.DatetimeIndex(pd.to_datetime(texts, format="ISO8601", utc=True))
-    t = np.asarray(pd.TimedeltaIndex(times - times[0]).total_seconds(), dtype=np.float64)
+    t = np.asarray((times - times[0]) / pd.Timedelta(seconds=1), dtype=np.float64)
     if kind is _SPAN and "day" not in texts[0]:  # midnight may pass
         t = t + _DAY * np.cumsum(np.diff(t, prepend=0.0) < -0.5 * _DAY)
     return t
@@ -253,10 +258,14 @@ def _seconds(cells: pd.Series[str]) -> Array:
 
 @dataclass(frozen=True)
 class _Layout:
-    """Layout of a delimited text: encoding, delimiter, decimal mark, mark of comments, lines of the header."""
+    """Layout of a delimited text: delimiter, decimal mark, mark of comments, lines of the header.
+
+    opened : gives the text.   line : what its lines are called.
+    """
 
     path: Path
-    encoding: str
+    opened: Callable[[], TextIO]
+    line: str
     delimiter: str
     decimal: str
     comment: str
@@ -265,7 +274,7 @@ class _Layout:
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
-        with open(self.path, encoding=self.encoding, errors="replace") as stream:
+        with self.opened() as stream:
             for number, line in itertools.islice(enumerate(stream, 1), self.header_lines, None):
                 if cells := cells_of(line, self.delimiter, self.comment):
                     yield number, cells
@@ -273,7 +282,7 @@ class _Layout:
     def place(self, sample: int) -> str:
         """Return the line of a row, counted from 1."""
         row = next(itertools.islice(self.rows(), sample, None), None)
-        return f"line {row[0]}" if row else f"row {sample + 1}"
+        return f"{self.line} {row[0]}" if row else f"row {sample + 1}"
 
     def load(self, wanted: Sequence[int]) -> list[Array]:
         """Return the wanted columns; an empty cell is NaN."""
@@ -287,21 +296,19 @@ class _Layout:
 
         stamps = [channel.stamps for channel in self.channels]
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
-        table = pd.read_csv(
-            self.path,
-            header=None,
-            dtype={i: str if stamps[i] else np.float64 for i in wanted},
-            low_memory=False,
-            skiprows=self.header_lines,
-            nrows=most,
-            comment=self.comment,
-            decimal=self.decimal,
-            skipinitialspace=True,
-            sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
-            encoding=self.encoding,
-            encoding_errors="replace",
-            compression=None,
-        )
+        with self.opened() as stream:
+            table = pd.read_csv(
+                stream,
+                header=None,
+                dtype={i: str if stamps[i] else np.float64 for i in wanted},
+                low_memory=False,
+                skiprows=self.header_lines,
+                nrows=most,
+                comment=self.comment,
+                decimal=self.decimal,
+                skipinitialspace=True,
+                sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
+            )
         return [_seconds(table[i]) if stamps[i] else np.asarray(table[i]) for i in wanted]
 
     def _rows_before_text(self, wanted: Sequence[int], fallback: str) -> int:
@@ -318,11 +325,11 @@ class _Layout:
                 break
         else:
             if 0 < len(faults) <= LONGEST_TAIL and (ends := faults[0][0]):
-                said = tail(self.path, "line", faults[0][1], faults[-1][1])
+                said = tail(self.path, self.line, faults[0][1], faults[-1][1])
                 warnings.warn(RecordWarning(said), stacklevel=2)
                 return ends
         if faults:
-            raise RecordError(f"{self.path}: line {faults[0][1]}{faults[0][2]}")
+            raise RecordError(f"{self.path}: {self.line} {faults[0][1]}{faults[0][2]}")
         raise RecordError(f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}")
 
     def _fault(self, wanted: Sequence[int], cells: Sequence[str]) -> str:
@@ -345,18 +352,34 @@ class _Layout:
 
 
 def text_file(path: Path, mapping: RecordMapping) -> Table:
-    """Return the table of a delimited text file: its layout follows from its first lines and from what the mapping says
-    about it.
+    """Return the table of a delimited text file: see `text_table`."""
+    with open(path, "rb") as file:
+        file.seek(max(0, path.stat().st_size - 4))
+        ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
+    cut = f"{path}: its last line has no end; if the file was cut, its last number is wrong"
+    opened = partial(open, path, encoding=_encoding(path), errors="replace")
+    return replace(text_table(path, opened, mapping), oddity="" if ended else cut)
+
+
+def text_table(
+    path: Path,
+    opened: Callable[[], TextIO],
+    mapping: RecordMapping,
+    line: str = "line",
+    comment: str = "",
+) -> Table:
+    """Return the table of a delimited text: its layout follows from its first lines and from what the mapping says.
+
+    opened : gives the text.   line : what its lines are called.   comment : mark of comments, where it is known.
 
     Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows; when
     it is loaded, naming line and column, for a cell that is no number and a row that has too many or too few. Lines of
     text after the last row are left aside, with a warning.
     """
-    encoding = _encoding(path)
-    with open(path, encoding=encoding, errors="replace") as stream:
+    with opened() as stream:
         lines = stream.readlines(_SAMPLE_CHARACTERS)[:_SAMPLE_LINES]
     begun = (line.lstrip()[:1] for line in lines)
-    comment = next((mark for mark in begun if mark in [*_COMMENTS]), "#")
+    comment = comment or next((mark for mark in begun if mark in [*_COMMENTS]), "#")
     possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS
     if mapping.sample_rate_hz is None:  # a row has two cells at least
         text = "".join(lines)
@@ -371,7 +394,7 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
         if (fit := _first_row(table, decimal, mapping.header_lines, least))
     ]
     if not fits:
-        raise RecordError(_no_rows(path, lines, comment, mapping))
+        raise NoRows(_no_rows(path, lines, comment, mapping))
     (_, header, width, cells), delimiter, decimal = max(
         fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
     )
@@ -381,9 +404,5 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     for i, cell in enumerate(rows[0][:width] if rows else []):
         if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
             channels[i] = replace(channels[i], unit="s", stamps=True)
-    layout = _Layout(path, encoding, delimiter, decimal, comment, header, channels)
-    with open(path, "rb") as file:
-        file.seek(max(0, path.stat().st_size - 4))
-        ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
-    cut = "its last line has no end; if the file was cut, its last number is wrong"
-    return Table(path, channels, layout.load, layout.place, "" if ended else f"{path}: {cut}")
+    layout = _Layout(*(path, opened, line, delimiter, decimal, comment, header, channels))
+    return Table(path, channels, layout.load, layout.place)
