@@ -25,7 +25,6 @@ import pandas as pd
 from scipy import signal
 
 from dampbalance import Result, damping_at, identify, read_records
-from dampbalance.identification.screen import limiting
 
 TABLES, BLOW = "ForcedFrequencyResponses.mat", "HammerImpact.mat"
 COLUMNS = {
@@ -141,7 +140,7 @@ def results_of(
         "off_worst": float(max(off, key=abs)),
         "rig": answer.in_sentences(answer.rig),
         "best_factor": best_factor(answer, first),
-        "limits": limiting(answer),
+        "limits": answer.in_sentences(answer.findings),
     }
 
 

@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from dampbalance import Result, friction_loops, identify, read_records
-from dampbalance.identification.screen import limiting
 
 LOADS = {f"{g} g": g / 1000.0 for g in (250, 350, 450, 550)}  # kg
 # N/m, kg, N s/m and Hz: nominal values, from the script of the authors of the records
@@ -183,7 +182,7 @@ def results_of(
             }
         )
     numbers = {"line": line_through([row["F_k_N"] for row in rows]), "loads": rows}
-    return numbers | {"limits": limiting(whole)}, whole, motions
+    return numbers | {"limits": whole.in_sentences(whole.findings)}, whole, motions
 
 
 def draw(

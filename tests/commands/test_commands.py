@@ -69,7 +69,8 @@ def output(tmp_path_factory):
 def test_everything_is_written(output):
     folder, shown = output
     assert sorted(path.name for path in folder.iterdir()) == sorted(OUTPUTS)
-    assert (folder / "summary.txt").read_text(encoding="utf-8") in shown
+    written = (folder / "summary.txt").read_text(encoding="utf-8")
+    assert " ".join(written.split()) in " ".join(shown.split())  # on the screen lines are broken
     assert "\ndirect" in shown
     assert "\nmaximum likelihood" in shown
 
@@ -561,8 +562,9 @@ def test_a_wrong_mass_is_the_cause_that_comes_first_where_no_number_is_usable_wi
     # the balance is the answer then, and no longer the fit
     assert {*numbers.findall(said)} == {*numbers.findall(without)} != set()
     assert (said.count("doubtful"), said.count("usable")) == (2, 0)
-    title, warning = limits.splitlines()
+    title, *broken = limits.splitlines()
+    warning = " ".join(broken)
     assert title == "Causes and remedies:"
-    assert lead == f"No answer: {warning.removeprefix('warning: ')}."
+    assert " ".join(lead.split()) == f"No answer: {warning.removeprefix('warning: ')}."
     assert "the records imply 2" in warning
     assert "you gave 24.00 kg (9.92 times as much)" in warning

@@ -105,7 +105,7 @@ def test_an_interval_holds_every_contact_that_explains_the_decay_as_well(index):
     """χ² has several minima along K_z where noise hides the ringing: held there, climbs from the truth are as good."""
     drawn = draw(index, 91)
     noisy = replace(drawn, answers=("velocity",), noise=0.05)
-    fit = identify_ring_downs([record(noisy, index)[0]], noisy.k).fit
+    fit = identify_ring_downs([record(noisy, index)[0]], noisy.k).basis.fit
     low, high = fit.K_z_interval
     held = replace(fit.problem, free=tuple(s for s in fit.problem.free if s != "rho"))
     likely = []

@@ -119,7 +119,7 @@ def test_what_is_missing_is_left_out_and_said(kind, defect):
         assert found.standard_errors[symbol] < 2.0 * error
     assert found.verdicts["F_k"].verdict == "usable"
     assert any(re.search(said, one.numbers.get("words", "")) for one in found.findings)
-    assert all(one in found.findings for one in whole.warnings)
+    assert all(one in found.findings for one in whole.findings)
 
 
 def test_the_balance_of_a_decay_with_a_gap_is_that_without():
