@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from dampbalance import Oscillator, transient
-from dampbalance.fit.decay import COMMON, Decay, DecayProblem, RingFit
+from dampbalance.fit.decay import COMMON, Decay, DecayFit, DecayProblem
 from dampbalance.signals.bursts import Signal
 
 
@@ -35,7 +35,7 @@ def point_of(point: np.ndarray) -> np.ndarray:
     return np.insert(point, 4, np.zeros(len(COMMON) - 4))
 
 
-def fitted(decay: Decay, k: float, point: np.ndarray, held: str = "", most: int = 30) -> RingFit:
+def fitted(decay: Decay, k: float, point: np.ndarray, held: str = "", most: int = 30) -> DecayFit:
     """The fit in which a climb from some unknowns ends.   held : name of one that keeps its value."""
     problem = DecayProblem((decay,), k)
     free = tuple(name for name in problem.free if name != held)

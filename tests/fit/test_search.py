@@ -12,10 +12,10 @@ import pytest
 from scipy.linalg import expm
 
 from blind.decays import draw, record
-from dampbalance.fit.decay import Decay, RingFit
+from dampbalance.fit.decay import Decay, DecayFit
 from dampbalance.fit.minimise import minimise
 from dampbalance.fit.search import Swings, _before, in_the_band, to_the_end
-from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.decays import identify_decay_records
 from dampbalance.signals.bursts import Burst
 from fit.exact import decay_of, fitted
 
@@ -32,7 +32,7 @@ def decay(noise: float, stiffness: float = 60.0, order: int = 0) -> tuple[Decay,
     return decay_of(point, K, t, noise if order else noise * START, order), point
 
 
-def off_by_cycles(point: np.ndarray, truth: RingFit, cycles: int) -> np.ndarray:
+def off_by_cycles(point: np.ndarray, truth: DecayFit, cycles: int) -> np.ndarray:
     """The point with as many more cycles of ringing."""
     ringing = truth.decays[0].end - truth.sticks_from(0)
     Omega = math.sqrt((K + point[2] ** -2) / M) + 2.0 * math.pi * cycles / ringing
@@ -88,7 +88,7 @@ def test_an_interval_covers_all_minima_that_are_as_good():
     moved = best.point.copy()
     moved[2] *= 1.1
 
-    def raised(by: float) -> RingFit:
+    def raised(by: float) -> DecayFit:
         """The fit with another minimum, so much higher."""
         other = replace(best, point=moved, chi_square=best.chi_square + by)
         return replace(best, minima=(other,))
@@ -105,7 +105,7 @@ def test_an_interval_holds_every_contact_that_explains_the_decay_as_well(index):
     """χ² has several minima along K_z where noise hides the ringing: held there, climbs from the truth are as good."""
     drawn = draw(index, 91)
     noisy = replace(drawn, answers=("velocity",), noise=0.05)
-    fit = identify_ring_downs([record(noisy, index)[0]], noisy.k).basis.fit
+    fit = identify_decay_records([record(noisy, index)[0]], noisy.k).basis.fit
     low, high = fit.K_z_interval
     held = replace(fit.problem, free=tuple(s for s in fit.problem.free if s != "rho"))
     likely = []
@@ -159,7 +159,7 @@ def test_a_single_swing_tells_the_size_of_friction():
 
 def with_what_follows(
     noise: float, caught: float = math.inf, order: int = 2
-) -> tuple[RingFit, RingFit]:
+) -> tuple[DecayFit, DecayFit]:
     """The fit of a decay up to a cycle after it came to rest, and with what follows.
 
     caught : when a hand takes the ringing off, s.
@@ -262,5 +262,5 @@ def test_a_mass_that_rests_at_once_is_no_longer_decay():
     """Three plucks of hardly more than the noise: what starts there may stick after its first sample."""
     plucked = draw(151, 1795560035)
     measured, _ = record(plucked, 1795560035)
-    found = identify_ring_downs([measured], plucked.k)
+    found = identify_decay_records([measured], plucked.k)
     assert found.intervals["F_k"][0] < plucked.F_k < found.intervals["F_k"][1]

@@ -60,7 +60,7 @@ def test_the_coefficients_of_any_law_are_found(name):
     osc, law = LAWS[name]
     true = {symbol: value for symbol, value in truth(osc, law).items() if value}
     found = identified(readings(osc, law), law=Law(tuple(true)))
-    assert found.basis.joint.waveforms_hold
+    assert found.basis.common.waveforms_hold
     assert found.findings == []
     direct = found.estimates["direct"]
     assert set(direct.coefficients) == set(true)
@@ -68,9 +68,9 @@ def test_the_coefficients_of_any_law_are_found(name):
         # one drawing: 4 standard errors are exceeded by chance in 6 of 100,000
         error = direct.standard_errors[symbol]
         assert abs(direct.values[symbol] - value) < 4.0 * error < 0.04 * value
-        assert abs(found.basis.joint.fit.value(symbol) - value) < 4.0 * found.basis.joint.fit.error(
-            symbol
-        )
+        assert abs(
+            found.basis.common.fit.value(symbol) - value
+        ) < 4.0 * found.basis.common.fit.error(symbol)
     assert found.answer.K_z.interval.low < osc.K_z < found.answer.K_z.interval.high
     assert direct.misfit < 5.0  # χ² per degree of freedom, of 3 or 4
 
@@ -118,7 +118,7 @@ def test_each_load_has_its_friction_and_all_have_one_damper(two_loads):
     law = Law(groups={"F_k": ("light", "heavy") * 2})
     found = identified(two_loads, law=law)
     direct = found.estimates["direct"]
-    assert found.basis.joint.waveforms_hold
+    assert found.basis.common.waveforms_hold
     for key, value in (("F_k[light]", 1.28), ("F_k[heavy]", 2.0), ("c", 90.0)):
         error = direct.standard_errors[key]
         assert abs(direct.values[key] - value) < 4.0 * error < 0.04 * value
@@ -165,7 +165,7 @@ def test_a_group_whose_records_only_stick_has_no_usable_friction_force_and_the_o
 
 def test_dampers_to_base_and_ground_together_say_what_a_skew_would_do():
     found = identified(readings(*LAWS["c_r"]), law=Law(("F_k", "c", "c_r")))
-    assert not any("delay" in one.names for one in found.basis.joint.explained)
+    assert not any("delay" in one.names for one in found.basis.common.explained)
     assert "skewed" in {one.code for one in found.findings}
 
 

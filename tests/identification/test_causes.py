@@ -15,7 +15,7 @@ from dampbalance.findings.words import sentence
 from dampbalance.fit.nuisances import NUISANCES
 from dampbalance.identification.causes import departure, likeliest
 from dampbalance.identification.forced import identify_readings
-from dampbalance.identification.oscillator import joint_fit
+from dampbalance.identification.oscillator import common_fit
 from dampbalance.law.law import Law
 from dampbalance.records.coordinate import TRANSLATION
 from dampbalance.signals.lines import Lines
@@ -77,7 +77,7 @@ MADE = {
 @pytest.mark.parametrize("name", MADE)
 def test_a_departure_is_named_and_fitted_and_the_answer_is_freed_of_it(name):
     options, size = MADE[name]
-    whole = joint_fit(lines_of(**options), K, frames=True)
+    whole = common_fit(lines_of(**options), K, frames=True)
     (best, *_), answer = whole.explained, whole.answer
     assert best.names == (name,)
     assert [one.code for one in best.departures] == [name]
@@ -98,7 +98,7 @@ def test_a_departure_is_named_and_fitted_and_the_answer_is_freed_of_it(name):
 def test_causes_that_explain_the_records_as_well_widen_the_intervals():
     """Next to this noise, the phase that a high-pass filter turns is like what a spring that stiffens adds."""
     behind = of_channel(lambda s: s / (s + 2.0 * math.pi * 0.4))
-    whole = joint_fit(lines_of(**behind, noise=3e-4), K)
+    whole = common_fit(lines_of(**behind, noise=3e-4), K)
     assert {("corner",), ("k_3",)} <= {one.names for one in whole.explained}
     assert whole.answer.intervals["c"].low < C < whole.answer.intervals["c"].high
     for one in whole.explained:
@@ -113,7 +113,7 @@ def test_a_turn_of_the_phase_that_acts_like_damping_is_followed_to_its_end(seed)
     to this noise by three standard errors or so, tell them apart."""
     omega, c = 1.7 * math.sqrt(K / M), 2.0 * 0.004 * math.sqrt(K * M)
     behind = {"reads": lambda n, x, Y: (x * n / (n - 0.06j), Y), "forces": (0.02,) * 4}
-    whole = joint_fit(lines_of(**behind, seed=seed, noise=1e-5, c=c, omega=omega), K)
+    whole = common_fit(lines_of(**behind, seed=seed, noise=1e-5, c=c, omega=omega), K)
     assert ("corner",) in {one.names for one in whole.explained}
     c_found = whole.answer.parameters["c"]
     assert c_found.interval.low < c < c_found.interval.high
@@ -136,7 +136,7 @@ def test_a_size_is_said_to_its_error_or_not_to_be_determined():
 @pytest.mark.parametrize("seed", range(2))
 def test_records_of_the_oscillator_show_no_departure(seed):
     """By chance one in 100 sets shows one."""
-    whole = joint_fit(lines_of(seed=seed), K, frames=True)
+    whole = common_fit(lines_of(seed=seed), K, frames=True)
     assert whole.waveforms_hold
     assert whole.explained == ()
 
@@ -152,7 +152,7 @@ IMPOSSIBLE = {
 
 @pytest.mark.parametrize("name", IMPOSSIBLE)
 def test_no_cause_is_named_with_a_size_that_it_cannot_have(name):
-    whole = joint_fit(lines_of(**IMPOSSIBLE[name]), K)
+    whole = common_fit(lines_of(**IMPOSSIBLE[name]), K)
     least, greatest = NUISANCES[name]
     named = [(one.fit, symbol) for one in whole.explained for symbol in one.names]
     values = [fit.value(symbol) for fit, symbol in named if symbol == name]
@@ -164,7 +164,7 @@ def test_no_cause_is_named_with_a_size_that_it_cannot_have(name):
 
 def test_a_term_that_the_law_has_is_no_departure():
     lines = lines_of(departure=Departure(quadratic=0.4))
-    assert joint_fit(lines, K, law=Law(("F_k", "c", "c_2"))).explained == ()
+    assert common_fit(lines, K, law=Law(("F_k", "c", "c_2"))).explained == ()
 
 
 def in_frame(channel, taken_for, hz=3.5, base="base_displacement"):

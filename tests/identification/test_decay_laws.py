@@ -13,7 +13,7 @@ from dampbalance import identify
 from dampbalance.fit.decay import departures_of
 from dampbalance.identification.answer import DOUBTFUL, USABLE
 from dampbalance.identification.decay_laws import fit_law
-from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.decays import identify_decay_records
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
 from fit.exact import decay_of, fitted
@@ -23,7 +23,7 @@ SOUND = replace(PLUCKED, lasts=(3.5,), rate_hz=250.0, noise=0.003)
 
 
 def found_in(decay, **options):
-    return identify_ring_downs([record(decay, 1)[0]], decay.k, **options)
+    return identify_decay_records([record(decay, 1)[0]], decay.k, **options)
 
 
 def chosen(laws):
@@ -123,7 +123,7 @@ def test_an_ac_coupling_of_a_decay_is_named_and_fitted_along():
     corner = 0.15 * SOUND.omega_n / (2.0 * np.pi)
     poles = butter(1, corner, "high", fs=1000.0, output="sos")
     values = sosfilt(poles, channel.values - channel.values[0])
-    found = identify_ring_downs(
+    found = identify_decay_records(
         [Record.of("coupled", [Channel(channel.quantity, channel.t, values)])], SOUND.k
     )
     assert "corner along" in {one.code for one in found.findings}
@@ -165,7 +165,7 @@ def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_st
 
 def test_the_law_of_the_fit_is_the_fit():
     measured, _ = record(SOUND)
-    fit = identify_ring_downs([measured], SOUND.k).basis.fit
+    fit = identify_decay_records([measured], SOUND.k).basis.fit
     law = fit_law(fit, ("F_k", "c"))
     assert law is not None
     assert law.chi_square == pytest.approx(fit.chi_square, rel=1e-6)

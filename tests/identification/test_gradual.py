@@ -14,9 +14,9 @@ from blind.gradual import CONTACTS, ring_down_on, steady_on
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.findings.finding import within
 from dampbalance.identification.causes import GRADUAL, shown_by
-from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.decays import identify_decay_records
 from dampbalance.identification.forced import identify_readings
-from dampbalance.identification.oscillator import joint_fit
+from dampbalance.identification.oscillator import common_fit
 from dampbalance.model import Parameters
 from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, law_decay
 from dampbalance.motion.law_steady import Further, steady_response
@@ -57,8 +57,8 @@ def of_contact(osc, kind):
 
 def shown(lines, osc):
     """The fit of a contact that yields at once, the gradual one to first order, and what explains the records."""
-    fit = joint_fit(lines, osc.k, departures=False).fit
-    return fit, fit.departures[GRADUAL], joint_fit(lines, osc.k).explained
+    fit = common_fit(lines, osc.k, departures=False).fit
+    return fit, fit.departures[GRADUAL], common_fit(lines, osc.k).explained
 
 
 @pytest.mark.parametrize("part", [0.1, 1.0])
@@ -167,7 +167,7 @@ def test_free_decays_state_it_too():
     x = ring_down_on(contact, truth, 0.01, 0.0, contact[:, 1].copy(), 0.002, 4.0)[0]
     noisy = x + 1e-4 * np.random.default_rng(4).standard_normal(x.size)
     record = Record.of("decay", [Channel("displacement", 0.002 * np.arange(x.size), noisy)])
-    found = identify_ring_downs([record], osc.k)
+    found = identify_decay_records([record], osc.k)
     said = {one.code for one in found.rig}
     assert "contact taken as sudden" in said or found.verdicts["K_z"].verdict != "usable"
     assert found.answer.values["F_k"] == pytest.approx(osc.F_k, rel=0.02)

@@ -13,7 +13,7 @@ import pytest
 from blind.decays import clean, record
 from dampbalance.fit.decay import Decay
 from dampbalance.identification.balance_check import contradiction
-from dampbalance.identification.decays import _least_squares, identify_ring_downs
+from dampbalance.identification.decays import _least_squares, identify_decay_records
 from dampbalance.identification.half_cycles import rows_of, swings_of
 from dampbalance.signals.bursts import Signal
 from identification.releases import PLUCKED
@@ -204,7 +204,7 @@ class Stated(NamedTuple):
 
 def test_a_contradiction_is_reported_by_its_size():
     measured, _ = record(replace(PLUCKED, noise=0.001))
-    answer = identify_ring_downs([measured], PLUCKED.k).estimates["balance"]
+    answer = identify_decay_records([measured], PLUCKED.k).estimates["balance"]
     F_k, c = answer.values["F_k"], answer.values["c"]
     assert not [*contradiction(answer, Stated(F_k, c), 0.05)]
     # 12 standard errors, but nobody minds

@@ -35,10 +35,10 @@ def holds(found, symbols=("F_k", "c")):
 @pytest.mark.parametrize("seed", [66, 103, 161, 170])
 def test_a_departure_that_the_noise_imitates_corrects_nothing(seed):
     found = sound(seed)
-    assert found.basis.joint.explained == ()
+    assert found.basis.common.explained == ()
     assert holds(found)
     assert {found.verdicts[symbol].verdict for symbol in ("F_k", "c")} == {"usable"}
-    for one in found.basis.joint.hinted:
+    for one in found.basis.common.hinted:
         (said,) = (w for w in found.findings if w.code == "hints")
         assert one.departures in said.numbers["causes"]
         # were it there, the number would be the other one
@@ -52,9 +52,9 @@ def test_a_delay_that_is_there_is_corrected(late):
         for r in measured(THREE_LEVELS, 3.5, cycles=60.0, noise=0.003)
     ]
     found = identify_readings([read_features(r, PAPER.k) for r in records], PAPER.k)
-    (one, *_) = found.basis.joint.explained
+    (one, *_) = found.basis.common.explained
     assert one.names == ("delay",)
-    assert found.basis.joint.hinted == ()
+    assert found.basis.common.hinted == ()
     assert abs(one.fit.value("delay") - late) < 4.0 * one.fit.error("delay")
     assert holds(found)
 
@@ -62,7 +62,7 @@ def test_a_delay_that_is_there_is_corrected(late):
 def test_no_correction_of_sound_records_is_the_answer():
     """By night: four in 10,000 sets or so are corrected; one of 200 may be."""
     found = [sound(seed) for seed in range(5000, 5200)]
-    assert sum(bool(one.basis.joint.explained) for one in found) <= 1
+    assert sum(bool(one.basis.common.explained) for one in found) <= 1
     for symbol in SYMBOLS:
         inside = np.mean([holds(one, [symbol]) for one in found])
         assert 0.90 < inside <= 1.0  # three standard deviations of 95 % in 200 sets

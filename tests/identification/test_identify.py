@@ -51,7 +51,7 @@ def test_exact_records_give_the_truth_off_resonance_too(hz):
     assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=2e-6)
     assert direct.notes == ()
     assert relative(found.reference.K_z, PAPER.K_z) == pytest.approx(0.0, abs=2e-5)
-    assert found.basis.joint.fit.m == pytest.approx(PAPER.m, rel=1e-6)
+    assert found.basis.common.fit.m == pytest.approx(PAPER.m, rel=1e-6)
     assert found.findings == []
 
 
@@ -98,7 +98,7 @@ def test_the_records_share_what_no_single_one_resolves():
     # one length for all: X + X_s is freed of the square of the error of ρ, L itself is not
     lengths = found.basis.features.X + found.basis.features.X_s
     assert lengths == pytest.approx([lengths[0]] * 5, rel=1e-9)
-    off = 2.0 * found.basis.joint.fit.F_k * found.basis.joint.fit.error("rho") ** 2
+    off = 2.0 * found.basis.common.fit.F_k * found.basis.common.fit.error("rho") ** 2
     assert lengths[0] == pytest.approx(found.basis.microstick.length - off, rel=1e-9)
     assert found.findings == []
 
@@ -230,7 +230,7 @@ STUCK = (0.0002, 0.0003, 0.0004)
 
 def test_where_no_level_slips_there_is_no_friction_force():
     found = identified(readings(noise=0.01, levels=STUCK), mass=PAPER.m)
-    assert found.basis.joint.linear
+    assert found.basis.common.linear
     assert "stuck" in {one.code for one in found.findings}
     direct, told = found.estimates["direct"], found.document()
     numbers = told["approaches"]["direct"]
@@ -255,7 +255,7 @@ def test_where_no_level_slips_there_is_no_friction_force():
 def test_hardly_any_friction_has_a_bound(friction, seed):
     osc = replace(PAPER, F_k=friction)
     found = identified(readings(noise=0.01, osc=osc, seed=seed), mass=PAPER.m)
-    assert found.basis.joint.linear
+    assert found.basis.common.linear
     F_k = found.verdicts["F_k"]
     assert (F_k.verdict, F_k.within) == ("usable", math.inf)
     assert [one.code for one in F_k.findings] == ["upper limit"]
@@ -270,7 +270,7 @@ def test_friction_that_hides_in_the_noise_is_in_the_interval_of_the_damping(seed
     """Taken for damping, its work makes c 5 to 10 % too large, twice what the interval of W = b c holds."""
     osc = replace(PAPER, c=1.0, F_k=2e-3, K_z=1e6)
     found = identified(readings(6.0, 0.1, (2e-4, 4e-4, 1e-3), osc, seed=seed))
-    assert found.basis.joint.linear
+    assert found.basis.common.linear
     assert close(found, osc, symbols=("F_k", "c"), errors=3.0)
 
 
@@ -355,7 +355,7 @@ def test_a_contact_of_another_kind_is_explained_and_keeps_F_k_and_c(gradual):
     loud = gradual(8e-4)
     for readings_of in (loud, loud[::2]):
         found = identified(readings_of)
-        assert found.basis.joint.explained[0].names == ("gradual",)
+        assert found.basis.common.explained[0].names == ("gradual",)
         assert found.values["F_k"] == pytest.approx(PAPER.F_k, rel=0.003)
         assert found.values["c"] == pytest.approx(PAPER.c, rel=0.003)
         # K_z is that after a reversal only as far as the contact is one of Iwan
@@ -365,7 +365,7 @@ def test_a_contact_of_another_kind_is_explained_and_keeps_F_k_and_c(gradual):
 def test_one_that_no_departure_explains_keeps_F_k_and_c_and_its_K_z_is_doubted(gradual):
     """Noise of a quarter shows what a contact of Bouc and Wen has that one of Iwan lacks."""
     found = identified(gradual(2e-4))
-    assert found.basis.joint.explained == ()
+    assert found.basis.common.explained == ()
     for symbol in ("F_k", "c"):
         assert found.verdicts[symbol].verdict == "usable"
         assert found.values[symbol] == pytest.approx(getattr(PAPER, symbol), rel=0.003)
@@ -381,7 +381,7 @@ def test_harmonics_above_half_the_sampling_rate_move_no_number():
         sampled = {"rate_hz": 6.9 * per_cycle, "cycles": 60.0, "osc": osc}
         sampled["channels"] = ("base_acceleration", "acceleration")
         found = identified(readings(6.9, 2e-4, **sampled))
-        assert not found.basis.joint.explained
+        assert not found.basis.common.explained
         for symbol in ("F_k", "c", "K_z"):
             low, high = found.intervals[symbol]
             off = abs(getattr(osc, symbol) - 0.5 * (low + high))
@@ -429,5 +429,5 @@ def test_part_of_a_record_is_no_copy_of_it():
 def test_a_delay_of_the_response_is_reported_in_microseconds():
     found = identify_readings(readings(noise=0.01), PAPER.k)
     (timing,) = (one.numbers for one in found.rig if one.code == "timing")
-    assert timing["late"] == found.basis.joint.delay
+    assert timing["late"] == found.basis.common.delay
     assert re.search(r"-?[\d.]+ ± [\d.]+ µs late", found.text().replace("−", "-"))

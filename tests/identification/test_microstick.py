@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from dampbalance.identification.oscillator import (
-    JointFit,
+    CommonFit,
+    common_fit,
     jackknifed,
-    joint_fit,
     microstick,
     read_samples,
     sample_of,
@@ -27,7 +27,7 @@ def readings():
 
 @pytest.fixture(scope="module")
 def shared(readings):
-    whole = joint_fit([reading.lines for reading in readings], PAPER.k)
+    whole = common_fit([reading.lines for reading in readings], PAPER.k)
     return with_common_fit(readings, whole)
 
 
@@ -78,7 +78,7 @@ def test_the_length_of_the_line_and_its_errors(samples, drawn):
 
 
 def test_without_an_oscillator_there_is_no_line(readings):
-    samples = read_samples(with_common_fit(readings, JointFit(None, False, None)))
+    samples = read_samples(with_common_fit(readings, CommonFit(None, False, None)))
     line = microstick(samples)
     assert not line.resolved
     assert math.isnan(line.length)

@@ -156,7 +156,7 @@ def test_uncertainties_are_stated_for_records_that_no_oscillator_fits():
         identify(of_no_oscillator(errors), stiffness)
         for errors, stiffness in (({}, 2310.0), ({}, "2310±23.1"), (gain, 2310.0))
     )
-    assert not plain.basis.joint.waveforms_hold
+    assert not plain.basis.common.waveforms_hold
     fit, direct = (plain.approaches[name] for name in ("maximum likelihood", "direct"))
     for stated in both:
         assert stated.approaches["maximum likelihood"].standard_errors == fit.standard_errors
@@ -191,7 +191,7 @@ def test_a_weighed_mass_doubts_nothing_that_it_does_not_move(noise):
     weighed, wrong = (identify(records, PAPER.k, mass=m) for m in (2.418, 2.0))
     for found in (free, weighed):
         assert {v.verdict for v in found.verdicts.values()} == {"usable"}
-    if not weighed.basis.joint.mass_taken:
+    if not weighed.basis.common.mass_taken:
         assert weighed.values == free.values
         (said,) = (one.numbers["masses"] for one in weighed.rig if one.code == "masses")
         assert said == pytest.approx((2.42, 2.418), abs=5e-3)

@@ -87,9 +87,9 @@ def test_the_oscillator_is_found_with_a_filter_and_without(hertz, filtered):
         ]
         records.append(Record.of(f"level {i}", channels))
     found = identify_forced(records, stiffness=OSC.k)
-    assert not found.basis.joint.explained
+    assert not found.basis.common.explained
     part, error = (
-        of("folded") for of in (found.basis.joint.fit.value, found.basis.joint.fit.error)
+        of("folded") for of in (found.basis.common.fit.value, found.basis.common.fit.error)
     )
     assert abs(part - (not filtered)) < 4.0 * error < 0.5
     for symbol in ("F_k", "c", "K_z"):

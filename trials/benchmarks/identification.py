@@ -111,7 +111,7 @@ def errors(samples: int) -> pd.DataFrame:
     reports."""
     given = measurements(samples)
     found = identify_readings([read_features(m, PAPER.k) for m in given], PAPER.k)
-    fit, truth = found.basis.joint.fit, {"F_k": PAPER.F_k, "c": PAPER.c}
+    fit, truth = found.basis.common.fit, {"F_k": PAPER.F_k, "c": PAPER.c}
     assert fit is not None
     answers = {
         name: {s: (e.coefficients[s].value, e.coefficients[s].standard_error) for s in truth}

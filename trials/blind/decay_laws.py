@@ -17,7 +17,7 @@ import pandas as pd
 
 from dampbalance.identification.answer import REFERENCE, USABLE
 from dampbalance.identification.decay_laws import compare_decay_laws
-from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.decays import identify_decay_records
 from dampbalance.project.wording import markdown_table
 
 from . import gradual
@@ -65,7 +65,7 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
     measured, _ = record(decay, seed)
     began = time.process_time()
     try:
-        result = identify_ring_downs([measured], decay.k)
+        result = identify_decay_records([measured], decay.k)
     except ValueError as error:
         return [row | {"refused": str(error)}]
     row["seconds"] = time.process_time() - began

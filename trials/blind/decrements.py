@@ -22,9 +22,9 @@ import pandas as pd
 from scipy.optimize import curve_fit
 from scipy.signal import find_peaks, savgol_filter
 
-from dampbalance.fit.decay import STATE, RingFit
+from dampbalance.fit.decay import STATE, DecayFit
 from dampbalance.identification.answer import USABLE
-from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.decays import identify_decay_records
 from dampbalance.records.record import Record
 
 from .decays import Decay, clean, draw, record
@@ -127,7 +127,7 @@ WAYS = {
 }
 
 
-def above_the_optimum(fit: RingFit, decay: Decay) -> float:
+def above_the_optimum(fit: DecayFit, decay: Decay) -> float:
     """Return χ² of a fit above the lowest that climbs from the truth reach, on the same samples with the same noise."""
     problem, ends = fit.problem, []
     for load in (None, 0.0, 1.0, 2.0):
@@ -160,7 +160,7 @@ def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     began = time.process_time()
     try:
-        result = identify_ring_downs([measured], decay.k)
+        result = identify_decay_records([measured], decay.k)
     except ValueError as error:
         rows.append(of_set | {"way": "balance", "refused": str(error)})
     else:

@@ -77,7 +77,7 @@ def numbers(result: Result[ForcedBasis], truth: Truth) -> Iterator[dict[str, obj
         (name, e.parameters if e.balance is None else e.coefficients, e.notes)
         for name, e in result.estimates.items()
     ]
-    found.append((REFERENCE, _of_fit(result), result.basis.joint.notes))
+    found.append((REFERENCE, _of_fit(result), result.basis.common.notes))
     for name, parameters, notes in found:
         for symbol, parameter in parameters.items():
             yield {
@@ -95,7 +95,7 @@ def numbers(result: Result[ForcedBasis], truth: Truth) -> Iterator[dict[str, obj
 
 def _of_fit(result: Result[ForcedBasis]) -> dict[str, ParameterEstimate]:
     """Return what the fit to all records identifies, the mass m, kg, among it."""
-    fit = result.basis.joint.fit
+    fit = result.basis.common.fit
     if fit is None or result.reference is None:
         return {}
     return {**result.reference.parameters, "m": normal(fit.m, fit.error("m"))}

@@ -324,11 +324,11 @@ class DecayProblem:
         lasts = (signal.t.size * signal.dt for one in self.decays for signal in one.signals)
         return math.fsum(NOISE_PASSED * freedom_in_band(self.band, duration) for duration in lasts)
 
-    def fit(self, end: Climb) -> RingFit:
+    def fit(self, end: Climb) -> DecayFit:
         """Return the fit at the end of a climb."""
         moving = self.moving()
         products = end.products[:-1, :-1] * np.outer(moving, moving)
-        return RingFit(
+        return DecayFit(
             k=self.k,
             point=end.point,
             covariance=inverse_information(products, self.prior_errors),
@@ -340,21 +340,21 @@ class DecayProblem:
 
     def climb(
         self, start: Array, *, gain: float = GAIN, most: int = MOST_EVALUATIONS
-    ) -> RingFit | None:
+    ) -> DecayFit | None:
         """Return the fit in which a climb from a start ends; None where the model has no motion there."""
         end = climb_on(self, start, gain=gain, most=most)
         return None if end is None else self.fit(end)
 
 
 @dataclass(frozen=True, eq=False)
-class RingFit(Fit):
+class DecayFit(Fit):
     """The oscillator whose free decays fit the samples of n decays best.
 
     minima : other minima of χ² that are nearly as good, and points along K_z that are (`search.profiled`).
     """
 
     problem: DecayProblem
-    minima: tuple[RingFit, ...] = field(default=())
+    minima: tuple[DecayFit, ...] = field(default=())
 
     @property
     def decays(self) -> tuple[Decay, ...]:
@@ -516,7 +516,7 @@ class RingFit(Fit):
         return math.sqrt(left / max(float(np.sum((motion - motion.mean()) ** 2)), 1e-300))
 
 
-def with_noise_of(fit: RingFit) -> RingFit:
+def with_noise_of(fit: DecayFit) -> DecayFit:
     """Return the fit with the noise of each channel estimated from its residual: climbed on where the channels are
     several."""
     problem, sums = fit.problem, dict[int, Array]()
@@ -539,7 +539,7 @@ def with_noise_of(fit: RingFit) -> RingFit:
     return replace(best, minima=tuple(others))
 
 
-def departures_of(fit: RingFit) -> list[Departure]:
+def departures_of(fit: DecayFit) -> list[Departure]:
     """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
     be followed."""
     problem = fit.problem

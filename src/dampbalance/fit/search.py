@@ -30,7 +30,7 @@ from ..signals.band import Band, filtered
 from ..signals.bursts import Burst, Signal, bursts_of
 from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
-from .decay import COMMON, FURTHER, STATE, Decay, DecayProblem, RingFit, with_noise_of
+from .decay import COMMON, FURTHER, STATE, Decay, DecayFit, DecayProblem, with_noise_of
 from .minimise import climb_on, climbs, likely, minimise, profile
 
 _FIRST_STIFFNESSES = (
@@ -84,7 +84,7 @@ _K3_GAIN = 15.0  # of χ²: what k_3 must explain, 4 standard errors
 
 def separate_fits(
     source: str, signals: Sequence[Signal], k: float
-) -> tuple[list[RingFit], list[Burst]]:
+) -> tuple[list[DecayFit], list[Burst]]:
     """Return a fit of each free decay in the channels of a record by itself, in their order, and the bursts that no
     oscillator fits or in which nothing slips.
 
@@ -93,7 +93,7 @@ def separate_fits(
     """
     lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
     bursts = bursts_of(lead)
-    fits: dict[Burst, RingFit] = {}
+    fits: dict[Burst, DecayFit] = {}
     surest = None
     for _ in range(2):
         for burst in bursts:
@@ -116,7 +116,7 @@ def separate_fits(
     return [kept[b] for b in bursts if b in kept], [b for b in bursts if b not in kept]
 
 
-def sound(fit: RingFit) -> bool:
+def sound(fit: DecayFit) -> bool:
     """Return whether the residual is small next to the motion, or noise."""
     if fit.problem.band is None:
         return fit.adequate
@@ -129,8 +129,8 @@ def _of_burst(
     lead: Signal,
     burst: Burst,
     k: float,
-    surest: RingFit | None,
-) -> RingFit | None:
+    surest: DecayFit | None,
+) -> DecayFit | None:
     """Return the fit of a burst, from its release on; None where no oscillator moves as far as it does.
 
     surest : the fit of another burst, to start from as well.
@@ -219,8 +219,8 @@ class Swings:
 
 
 def _grown(
-    whole: Decay, swings: Swings, start: float, k: float, surest: RingFit | None = None
-) -> RingFit | None:
+    whole: Decay, swings: Swings, start: float, k: float, surest: DecayFit | None = None
+) -> DecayFit | None:
     """Return the best fit of a decay from the middle of a swing on, over windows that grow."""
     F_k, c, m = swings.oscillator(k)
     state = swings.start_at(start)
@@ -271,7 +271,7 @@ def _grown(
     return best if best is not None and best.chi_square < fit.chi_square else fit
 
 
-def _until_rest(problem: DecayProblem, fit: RingFit) -> DecayProblem:
+def _until_rest(problem: DecayProblem, fit: DecayFit) -> DecayProblem:
     """Return the problem without the samples long after the mass came to rest."""
     decays = []
     for i, one in enumerate(problem.decays):
@@ -280,7 +280,7 @@ def _until_rest(problem: DecayProblem, fit: RingFit) -> DecayProblem:
     return replace(problem, decays=tuple(decays))
 
 
-def to_the_end(fit: RingFit) -> RingFit:
+def to_the_end(fit: DecayFit) -> DecayFit:
     """Return the fit of the same decays with what follows after the mass came to rest, where its ringing shows K_z.
 
     The tails grow for as long as they follow the motion, so that the phase of the ringing is known from one to the
@@ -320,7 +320,7 @@ def to_the_end(fit: RingFit) -> RingFit:
     return longest if longest is not None and longest.white else fit
 
 
-def _gain(fit: RingFit, predicted: RingFit, i: int, since: float) -> float:
+def _gain(fit: DecayFit, predicted: DecayFit, i: int, since: float) -> float:
     """Return the fall of χ² from a level to the ringing in the samples of decay i from a time on, s; −∞ where the fit
     leaves more than noise there, or where the ringing that was predicted is not there."""
     square = at_level = expected = n = 0.0
@@ -341,12 +341,12 @@ def _gain(fit: RingFit, predicted: RingFit, i: int, since: float) -> float:
     return gain if follows else -math.inf
 
 
-def _first(fits: Sequence[RingFit]) -> RingFit | None:
+def _first(fits: Sequence[DecayFit]) -> DecayFit | None:
     """Return the lowest of some minima, which keeps those in mind that are nearly as low."""
     return replace(fits[0], minima=tuple(fits[1:])) if fits else None
 
 
-def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
+def _from_earlier(fit: DecayFit, whole: Decay, earliest: float) -> DecayFit:
     """Return the fit with the start moved back for as long as the samples follow the motion."""
     problem = fit.problem
     (one,) = problem.decays
@@ -379,7 +379,7 @@ def _from_earlier(fit: RingFit, whole: Decay, earliest: float) -> RingFit:
     return _first(minimise(last, starts)) or fit
 
 
-def _refit(fit: RingFit, part: Decay) -> RingFit | None:
+def _refit(fit: DecayFit, part: Decay) -> DecayFit | None:
     """Return the fit of a decay that begins a step earlier, with the contact loaded in one way or another."""
     problem = replace(fit.problem, decays=(part,))
     start = _before(fit.point, fit.k, fit.decays[0].start - part.start)
@@ -392,7 +392,7 @@ def _refit(fit: RingFit, part: Decay) -> RingFit | None:
     return best
 
 
-def _doubted(fits: Sequence[RingFit], longer: RingFit | None) -> int:
+def _doubted(fits: Sequence[DecayFit], longer: DecayFit | None) -> int:
     """Return the number of steps back that are in doubt, 0 where the samples follow the motion, judged by the
     contribution of the last step, or of the last three, to χ²."""
     if longer is None:
@@ -424,8 +424,8 @@ def _before(point: Array, k: float, step: float) -> Array:
 
 
 def _band_from_earliest(
-    whole: Decay, swings: Swings, starts: Sequence[float], fit: RingFit
-) -> RingFit | None:
+    whole: Decay, swings: Swings, starts: Sequence[float], fit: DecayFit
+) -> DecayFit | None:
     """Return the fit in the band of the mode, from the earliest swing on that the release does not disturb."""
     dt = max(signal.dt for signal in whole.signals)
     band = Band.about(1.0 / whole.period, dt)
@@ -438,7 +438,7 @@ def _band_from_earliest(
     for stiffness in _FIRST_STIFFNESSES:
         points.append(points[-1].copy())
         points[-1][RHO] = 1.0 / math.sqrt(stiffness * fit.k)
-    fits: list[RingFit] = []
+    fits: list[DecayFit] = []
     for start in reversed(early):
         # the first swings may be those of a spring that is not linear: no reason to leave them out
         problem = DecayProblem((whole.cut(start, end),), fit.k, band).with_free("k_3").thinned()
@@ -456,7 +456,7 @@ def _band_from_earliest(
     return None if best is None else without_spring(with_noise_of(best))
 
 
-def in_the_band(fit: RingFit) -> RingFit | None:
+def in_the_band(fit: DecayFit) -> DecayFit | None:
     """Return the fit of the same decays in the band of the mode."""
     one = fit.decays[0]
     dt = max(signal.dt for decay in fit.decays for signal in decay.signals)
@@ -465,7 +465,7 @@ def in_the_band(fit: RingFit) -> RingFit | None:
     return None if best is None else without_spring(with_noise_of(best))
 
 
-def profiled(fit: RingFit) -> RingFit:
+def profiled(fit: DecayFit) -> DecayFit:
     """Return the fit with the points along K_z that are as likely among its minima, which its intervals hold.
 
     χ² has minima and kinks there, and may be flat: its curvature at the lowest point does not show how far one goes.
@@ -486,7 +486,7 @@ def profiled(fit: RingFit) -> RingFit:
     return replace(fit, minima=(*fit.minima, *inside))
 
 
-def with_one_more(fit: RingFit) -> RingFit | None:
+def with_one_more(fit: DecayFit) -> DecayFit | None:
     """Return the fit with that of `FURTHER` freed that lowers χ² most; None where none can be followed."""
     problems = [
         fit.problem.with_free(symbol) for symbol in FURTHER if symbol not in fit.problem.free
@@ -499,7 +499,7 @@ def with_one_more(fit: RingFit) -> RingFit | None:
     return problems[i].climb(point)
 
 
-def without_spring(fit: RingFit) -> RingFit:
+def without_spring(fit: DecayFit) -> DecayFit:
     """Return the fit without k_3, unless that explains enough."""
     less = replace(fit.problem, free=tuple(name for name in fit.problem.free if name != "k_3"))
     start = fit.point.copy()
@@ -510,12 +510,12 @@ def without_spring(fit: RingFit) -> RingFit:
     return with_noise_of(without)
 
 
-def slips_of(fit: RingFit) -> int:
+def slips_of(fit: DecayFit) -> int:
     """Return the number of phases in which the mass of a separate fit slips."""
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
 
 
-def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
+def fit_all(fits: Sequence[DecayFit]) -> tuple[DecayFit | None, list[Decay]]:
     """Return one oscillator for the decays with these separate fits, and what is no decay at all.
 
     The decays share c, K_z and m, and F_k unless forces of their own are likelier by more than chance. A hand that
@@ -542,7 +542,7 @@ def fit_all(fits: Sequence[RingFit]) -> tuple[RingFit | None, list[Decay]]:
     return whole, left_out
 
 
-def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
+def _of_all(fits: Sequence[DecayFit]) -> DecayFit | None:
     """Return the fit of all decays, with a friction force for each where the likelihood asks for it."""
     if len(fits) == 1:
         return fits[0]
@@ -553,7 +553,7 @@ def _of_all(fits: Sequence[RingFit]) -> RingFit | None:
     return whole if several is None or _same(whole, [several]) else several
 
 
-def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
+def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:
     """Return whether the unknowns that a fit has less than fits of its parts are not missed: its χ² lies above theirs
     by no more than chance makes of as many."""
     fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
@@ -562,7 +562,7 @@ def _same(whole: RingFit, parts: Sequence[RingFit]) -> bool:
     return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > P_ONE_OSCILLATOR)
 
 
-def _fitted_together(fits: Sequence[RingFit], *, own_frictions: bool = False) -> RingFit | None:
+def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool = False) -> DecayFit | None:
     """Return the fit of all decays, with one friction force or one for each: from the minima of each in turn."""
     decays = tuple(replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits))
     bands = [fit.problem.band for fit in fits if fit.problem.band is not None]

@@ -18,10 +18,10 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import SHOWS
 from ..solver import solve
 from .answer import Answer, ParameterEstimate
-from .oscillator import JointFit
+from .oscillator import CommonFit
 
 
-def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> Iterator[Finding]:
+def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
     """Yield what one must know, in addition to its own notes, before using the answer of the balance."""
     clipped = [
         f"{quantity} of {reading.steady.source}"
@@ -30,23 +30,23 @@ def notes_on(answer: Answer, readings: Sequence[Reading], joint: JointFit) -> It
         if is_clipped(harmonics)
     ]
     yield from forbidden(answer.coefficients, clipped)
-    if joint.frictionless:
+    if common.frictionless:
         yield Finding("no friction column")
-    elif joint.stuck is not None:
-        unsure, of = joint.stuck.sticks is None, answer.coefficients
+    elif common.stuck is not None:
+        unsure, of = common.stuck.sticks is None, answer.coefficients
         limits = tuple((s, *p.interval) for s, p in of.items() if term(s).symbol == FRICTION)
         effect = {s: math.inf for s in of if s == FRICTION and unsure}
         yield Finding("hardly any friction", {"limits": limits, "unsure": unsure}, effect)
-    elif not joint.waveforms_hold and not answer.notes:
-        if joint.fit is None:
+    elif not common.waveforms_hold and not answer.notes:
+        if common.fit is None:
             yield Finding("onset of a rigid one", effect=UNBOUNDED)
         else:
             yield Finding("onset of the closest", effect=_by_half_the_stick(answer, readings))
         if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
             times = {"times": math.sqrt(answer.misfit)}
             yield Finding("rows scatter", times, by_scatter(answer.coefficients, answer.misfit))
-    if joint.in_rows:
-        apart = {key: joint.closest.value(key) for key in answer.coefficients}
+    if common.in_rows:
+        apart = {key: common.closest.value(key) for key in answer.coefficients}
         off = {
             s: abs(p.value / (apart[s] or math.inf) - 1.0) for s, p in answer.coefficients.items()
         }

@@ -19,7 +19,7 @@ from scipy import special
 from ..arrays import Array
 from ..balance import TERMS
 from ..findings.finding import UNBOUNDED, Finding
-from ..fit.decay import COMMON, CORNER, FALLS, FURTHER, RingFit, departures_of, with_noise_of
+from ..fit.decay import COMMON, CORNER, FALLS, FURTHER, DecayFit, departures_of, with_noise_of
 from ..fit.minimise import minimise
 from ..fit.score import Departure
 from ..fit.search import sound, with_one_more
@@ -52,7 +52,7 @@ _OTHERS = {
 _SURE = 900.0  # of χ²: laws that leave out so much need no fit
 
 
-def with_departures(fit: RingFit) -> tuple[RingFit, list[Finding]]:
+def with_departures(fit: DecayFit) -> tuple[DecayFit, list[Finding]]:
     """Return the fit with further coefficients that the residual speaks for, one after the other, and a finding on
     each, with what another coefficient that explains the decays as well does to the numbers.
     """
@@ -71,15 +71,15 @@ def with_departures(fit: RingFit) -> tuple[RingFit, list[Finding]]:
     return fit, [_along(fit, s, unbounded if s in DECAY_TERMS else _as_well(fit, s)) for s in along]
 
 
-def _likeliest(fit: RingFit) -> RingFit | None:
+def _likeliest(fit: DecayFit) -> DecayFit | None:
     """Return the fit with the further coefficient that lowers χ² most."""
     ends = [*filter(None, [with_one_more(fit)]), *_freed(fit, fit.point, _FALLING)]
     return min(ends, key=lambda one: one.chi_square, default=None)
 
 
 def _freed(
-    fit: RingFit, start: Array, symbol: str, free: Sequence[str] | None = None
-) -> list[RingFit]:
+    fit: DecayFit, start: Array, symbol: str, free: Sequence[str] | None = None
+) -> list[DecayFit]:
     """Return the fit with a further coefficient, from a start; friction that falls with the speed with that speed fixed
     at several values, and those that explain the decays as well among its `minima`. Empty where it is free already.
 
@@ -99,7 +99,7 @@ def _freed(
     return [replace(ends[0], minima=tuple(ends[1:]))] if ends else []
 
 
-def _along(fit: RingFit, symbol: str, effect: Mapping[str, float]) -> Finding:
+def _along(fit: DecayFit, symbol: str, effect: Mapping[str, float]) -> Finding:
     """Return the finding on a coefficient that is fitted along."""
     size = fit.value(symbol), fit.error(symbol)
     if symbol in DECAY_TERMS:
@@ -113,7 +113,7 @@ def _along(fit: RingFit, symbol: str, effect: Mapping[str, float]) -> Finding:
     return Finding("included", {"what": _OTHERS[symbol], "value": (symbol, *size)}, effect)
 
 
-def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
+def _as_well(fit: DecayFit, symbol: str) -> dict[str, float]:
     """Return relative changes of the numbers with another coefficient that explains the decays as well in place of
     one."""
     doubts: dict[str, float] = {}
@@ -132,7 +132,7 @@ def _as_well(fit: RingFit, symbol: str) -> dict[str, float]:
     return doubts
 
 
-def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Finding]:
+def doubts_of(fit: DecayFit, further: Sequence[Departure]) -> list[Finding]:
     """Return a sentence where friction and viscous damping do not account for the decays and what does cannot be fitted
     along, with what it may change.
 
@@ -155,14 +155,14 @@ def doubts_of(fit: RingFit, further: Sequence[Departure]) -> list[Finding]:
     return [Finding("unexplained decays", of, doubts)]
 
 
-def shortcomings_of(fit: RingFit) -> list[Finding]:
+def shortcomings_of(fit: DecayFit) -> list[Finding]:
     """Return a sentence where the decays are not those of one oscillator even in the band of the mode."""
     if sound(fit):
         return []
     return [Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED)]
 
 
-def _shown(fit: RingFit, further: Sequence[Departure]) -> list[Departure]:
+def _shown(fit: DecayFit, further: Sequence[Departure]) -> list[Departure]:
     """Return the coefficients that are no chance, and can be: an AC coupling and a friction that falls have one sign,
     and with such a friction damping that falls with the speed is none but the friction at another speed."""
     positive = [_FALLING, CORNER]
@@ -177,7 +177,7 @@ def _shown(fit: RingFit, further: Sequence[Departure]) -> list[Departure]:
 
 
 def condition_of(
-    fit: RingFit, further: Iterable[Departure]
+    fit: DecayFit, further: Iterable[Departure]
 ) -> tuple[list[Finding], dict[str, float]]:
     """Return a finding where F_k, c or K_z depend on the damping being viscous by more than the noise shows, and the
     decays are too few or too noisy to tell; and by how much, by name, in the units of the fit. Empty where they do not.
@@ -203,7 +203,7 @@ def condition_of(
     return [Finding("hints of another law", {"changes": changes})], moved
 
 
-def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> Answer:
+def with_effects(answer: Answer, fit: DecayFit, effects: Mapping[str, float]) -> Answer:
     """Return the answer with its intervals widened by what another law would change: what a sentence states belongs to
     the number next to it.
 
@@ -215,7 +215,7 @@ def with_effects(answer: Answer, fit: RingFit, effects: Mapping[str, float]) -> 
     return widened(answer, {"law": {s: part / NORMAL_95 for s, part in parts.items()}})
 
 
-def _changed(fit: RingFit, name: str, by: float) -> tuple[str, float, float]:
+def _changed(fit: DecayFit, name: str, by: float) -> tuple[str, float, float]:
     """Return an unknown, its value, and by how much it changes; ρ as the stiffness that it stands for. None becomes
     negative."""
     value = fit.value(name)
@@ -226,7 +226,7 @@ def _changed(fit: RingFit, name: str, by: float) -> tuple[str, float, float]:
 
 
 @one_thread
-def compare_decay_laws(fit: RingFit) -> LawComparison:
+def compare_decay_laws(fit: DecayFit) -> LawComparison:
     """Test the laws of c and c_2 in addition to friction, or without it, on free decays, see
     `law_comparison.compared`.
 
@@ -240,9 +240,9 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
     if first is None:
         raise ValueError("no law can be tested: the motion of the decays cannot be followed")
     every = first
-    fits: dict[tuple[str, ...], RingFit | None] = {}
+    fits: dict[tuple[str, ...], DecayFit | None] = {}
 
-    def test(terms: tuple[str, ...], near: RingFit | None) -> tuple[LawTest, RingFit | None]:
+    def test(terms: tuple[str, ...], near: DecayFit | None) -> tuple[LawTest, DecayFit | None]:
         nonlocal every
         rise, start = _without(every, [s for s in DECAY_TERMS if s not in terms])
         if rise > _SURE * every.misfit:
@@ -269,8 +269,8 @@ def compare_decay_laws(fit: RingFit) -> LawComparison:
 
 
 def fit_law(
-    fit: RingFit, terms: Sequence[str], starts: Sequence[Array] | None = None
-) -> RingFit | None:
+    fit: DecayFit, terms: Sequence[str], starts: Sequence[Array] | None = None
+) -> DecayFit | None:
     """Return the oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to
     one.
 
@@ -289,7 +289,7 @@ def fit_law(
     return ends[0] if ends else None
 
 
-def _without(every: RingFit, symbols: Sequence[str]) -> tuple[float, Array]:
+def _without(every: DecayFit, symbols: Sequence[str]) -> tuple[float, Array]:
     """Return what χ² rises by without the coefficients p of some terms, to first order, pᵀ C⁻¹ p (Wald's test), and the
     point to which the other coefficients then move."""
     point, out = every.point.copy(), [COMMON.index(s) for s in symbols]
@@ -305,7 +305,7 @@ def _without(every: RingFit, symbols: Sequence[str]) -> tuple[float, Array]:
 
 
 def _tested(
-    every: RingFit,
+    every: DecayFit,
     terms: tuple[str, ...],
     rise: float,
     law: Mapping[str, tuple[float, float]] | None = None,

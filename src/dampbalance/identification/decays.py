@@ -20,7 +20,7 @@ from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..findings.finding import Finding
 from ..findings.words import sentence
-from ..fit.decay import COMMON, FURTHER, RingFit, departures_of, with_noise_of
+from ..fit.decay import COMMON, FURTHER, DecayFit, departures_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
@@ -59,7 +59,7 @@ from .decay_laws import (
     with_effects,
 )
 from .diagnosis import on_mass
-from .half_cycles import A, B, RingRows, W, rows_of
+from .half_cycles import A, B, DecayRows, W, rows_of
 from .level import Level
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
@@ -87,8 +87,8 @@ class DecayBasis:
     departures : what each further coefficient would explain.
     """
 
-    fit: RingFit
-    half_cycles: RingRows
+    fit: DecayFit
+    half_cycles: DecayRows
     departures: Sequence[Departure]
 
     kind: ClassVar[str] = "ring-down"
@@ -213,7 +213,7 @@ def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Resu
     if k is None:
         options, k = with_stiffness_by_mass(partial(_of_records, records), options)
         mass = None
-    outcome = identify_ring_downs(
+    outcome = identify_decay_records(
         [record.corrected() for record in records],
         k,
         mass=mass,
@@ -229,7 +229,7 @@ def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Resu
 
 
 @one_thread
-def identify_ring_downs(
+def identify_decay_records(
     records: Sequence[Record],
     k: float,
     *,
@@ -251,7 +251,7 @@ def identify_ring_downs(
     number("stiffness", k, NUMBERS["k"])
     if mass is not None:
         number("mass", mass, NUMBERS["m"])
-    fits: list[RingFit] = []
+    fits: list[DecayFit] = []
     warnings: list[Finding] = []
     offsets = 0
     for record in records:
@@ -329,7 +329,7 @@ def _signal(record: Record, channel: Channel, offset: int, warnings: list[Findin
     return Signal(channel.quantity, order, t, values, noise, offset, limits, channel.missing)
 
 
-def _with_mass(fit: RingFit, mass: float) -> RingFit | None:
+def _with_mass(fit: DecayFit, mass: float) -> DecayFit | None:
     """Return the fit with a mass that is given, from the same minimum."""
     start = fit.point.copy()
     start[M] = mass
@@ -338,8 +338,8 @@ def _with_mass(fit: RingFit, mass: float) -> RingFit | None:
 
 
 def _solved(
-    fit: RingFit,
-    rows: RingRows,
+    fit: DecayFit,
+    rows: DecayRows,
     sources: tuple[str, ...],
     rig: Sequence[Finding],
     warnings: Sequence[Finding],
@@ -427,7 +427,7 @@ def _solved(
     )
 
 
-def _scatter_of(fit: RingFit) -> list[Finding]:
+def _scatter_of(fit: DecayFit) -> list[Finding]:
     """Return a finding on the friction forces of the decays where they do not share one."""
     if fit.frictions.size == 1:
         return []
@@ -438,7 +438,7 @@ def _scatter_of(fit: RingFit) -> list[Finding]:
 
 
 def _least_squares(
-    rows: RingRows,
+    rows: DecayRows,
 ) -> tuple[dict[str, float], Array, float, int, Interval | None]:
     """Return (F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k
     where it is the mean of several friction forces)."""

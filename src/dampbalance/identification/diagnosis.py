@@ -21,18 +21,18 @@ from ..signals.thresholds import P_CAUSE, SHOWS
 from .answer import Answer
 from .balance_check import alike, contradiction
 from .causes import departure, doubts_of, hint_of, likeliest, shown_by
-from .oscillator import JointFit, Microstick
+from .oscillator import CommonFit, Microstick
 
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
 
-def on_records(readings: Sequence[Reading], joint: JointFit) -> list[Finding]:
+def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
     """Return the findings on single records. A drive that is not harmonic spares the fit to the fundamentals where that
     leaves no more than noise, and no unit is asked for where an oscillator explains a rare ratio of amplitudes."""
-    alone = joint.fundamentals
+    alone = common.fundamentals
     holds = alone is not None and special.chdtrc(alone.freedom, alone.chi_square) > P_CAUSE
     found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
-    explained = joint.linear or (joint.fit is not None and joint.fit.adequate)
+    explained = common.linear or (common.fit is not None and common.fit.adequate)
     found = [one for one in found if not (explained and one.numbers.get("rare"))]
     harmless = {"base": "base within noise"} if holds else {}
     return [replace(one, code=harmless.get(one.code, one.code)) for one in found]
@@ -41,20 +41,20 @@ def on_records(readings: Sequence[Reading], joint: JointFit) -> list[Finding]:
 def agreement(
     readings: Sequence[Reading],
     microstick: Microstick,
-    joint: JointFit,
+    common: CommonFit,
     direct: Answer,
 ) -> Iterator[Finding]:
-    """Yield findings on all records together: what the joint fit shows, which levels fail, where the balance by direct
+    """Yield findings on all records together: what the common fit shows, which levels fail, where the balance by direct
     integration contradicts."""
-    yield from _on_the_oscillator(readings, joint)
+    yield from _on_the_oscillator(readings, common)
     if still := _numbered(reading.slips is False for reading in readings):
         yield Finding("only sticks", {"records": still})
-    if joint.waveforms_hold and not microstick.resolved:
+    if common.waveforms_hold and not microstick.resolved:
         yield Finding("unresolved", effect={"K_z": math.inf})
-    fit = joint.fit
+    fit = common.fit
     if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
         yield Finding("skewed", {"by": 1e-6 * fit.k}, {"c": math.inf, "c_r": math.inf})
-    if fit is not None and joint.waveforms_hold and not joint.in_rows:
+    if fit is not None and common.waveforms_hold and not common.in_rows:
         yield from contradiction(direct, fit)
     yield from alike(direct)
 
@@ -64,23 +64,23 @@ def _numbered(which: Iterable[bool]) -> str:
     return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
-def _on_the_oscillator(readings: Sequence[Reading], joint: JointFit) -> Iterator[Finding]:
-    """Yield findings from the joint fit."""
-    if joint.stuck is not None:
-        yield Finding(_STUCK[joint.stuck.sticks])
-        yield from _too_stiff(readings, joint.stuck, joint.mass)
+def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
+    """Yield findings from the common fit."""
+    if common.stuck is not None:
+        yield Finding(_STUCK[common.stuck.sticks])
+        yield from _too_stiff(readings, common.stuck, common.mass)
         return
-    fit, alone = joint.fit, joint.fundamentals
-    if joint.explained:
-        yield shown_by(joint.explained, joint.fall)
-    if joint.hinted and fit is not None:
-        yield hint_of(joint.hinted, joint.fall, fit)
-    if joint.mass is not None and not joint.mass_fits:
+    fit, alone = common.fit, common.fundamentals
+    if common.explained:
+        yield shown_by(common.explained, common.fall)
+    if common.hinted and fit is not None:
+        yield hint_of(common.hinted, common.fall, fit)
+    if common.mass is not None and not common.mass_fits:
         by_force = any("force" in reading.steady.channels for reading in readings)
-        yield on_mass(joint.closest, joint.mass, by_force)
+        yield on_mass(common.closest, common.mass, by_force)
     if fit is None:
         yield Finding("no oscillator")
-    elif not fit.adequate and not joint.explained:
+    elif not fit.adequate and not common.explained:
         yield _none_fits(readings, fit, alone)
 
 

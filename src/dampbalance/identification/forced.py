@@ -61,14 +61,14 @@ from .law_comparison import compare_laws
 from .level import Level
 from .loading import load, require_different_levels, unclipped
 from .oscillator import (
-    JointFit,
+    CommonFit,
     LawRows,
     Microstick,
     Sample,
     Samples,
+    common_fit,
     covariance_of_rows,
     jackknifed,
-    joint_fit,
     microstick,
     read_samples,
     with_common_fit,
@@ -92,14 +92,14 @@ class ForcedBasis:
 
     law : whose coefficients are identified.
     readings : what was read off each record.
-    joint : the fit of one oscillator to all records.
+    common : the fit of one oscillator to all records.
     features : of the records, (n,), with the onset of slip of that oscillator.
     microstick : the line that all records share.
     """
 
     law: Law
     readings: tuple[Reading, ...]
-    joint: JointFit
+    common: CommonFit
     features: Features
     microstick: Microstick
 
@@ -151,13 +151,13 @@ class ForcedBasis:
         self, found: Result[Any], faults: Mapping[str, Fault], name: str
     ) -> dict[str, dict[str, float]]:
         """Return what faults of all records do to an answer; of a fit only where it is that of the waveforms."""
-        if name == FUNDAMENTALS and self.joint.fundamentals is not None:
-            return shifts_of_fundamentals(self.readings, self.joint.fundamentals, faults)
+        if name == FUNDAMENTALS and self.common.fundamentals is not None:
+            return shifts_of_fundamentals(self.readings, self.common.fundamentals, faults)
         if name in found.estimates:
-            rows_of = LawRows(self.law, found.k, self.joint.frictionless)
+            rows_of = LawRows(self.law, found.k, self.common.frictionless)
             return sensitivities(self.readings, rows_of, found.estimates[name], faults)
-        held = name == REFERENCE and self.joint.waveforms_hold
-        fit = self.joint.fit if held else None
+        held = name == REFERENCE and self.common.waveforms_hold
+        fit = self.common.fit if held else None
         return {} if fit is None else shifts_of_fit(self.readings, fit, faults)
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
@@ -175,7 +175,7 @@ class ForcedBasis:
     @property
     def fit(self) -> WaveformFit | None:
         """The fit of the waveforms, where they show friction."""
-        return None if self.joint.linear else self.joint.fit
+        return None if self.common.linear else self.common.fit
 
 
 def friction_loops(
@@ -301,9 +301,9 @@ def _of_records(
         stiffness_error=options["stiffness_standard_error_N_per_m"] or 0.0,
         law=law,
     )
-    held = mass if outcome.basis.joint.mass_taken else None
+    held = mass if outcome.basis.common.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    mount = of_a_mount(outcome.basis.joint, records, k, masses, law, of_drive)
+    mount = of_a_mount(outcome.basis.common, records, k, masses, law, of_drive)
     odd = (*clipped, *outcome.odd, *mount)
     outcome = replace(outcome, laws=laws, records=records, options=options, odd=odd)
     return with_stated_uncertainties(outcome)
@@ -343,42 +343,42 @@ def identify_readings(
     framed = not ("force" in channels or on_base) and not (
         channels & {*ABSOLUTE} and channels & {*RELATIVE}
     )
-    joint = joint_fit(
+    common = common_fit(
         *(lines, k, mass, law),
         mass_error=mass_error,
         stiffness_error=stiffness_error,
         frames=framed,
     )
-    if joint.plain is not None and _vetoed(joint, readings, k, law):
-        joint = joint.uncorrected
-    few, reference = len(readings) < len(law.unknowns), joint.answer
-    if few and not (joint.waveforms_hold and joint.fit is not None and joint.fit.freedom > 0):
+    if common.plain is not None and _vetoed(common, readings, k, law):
+        common = common.uncorrected
+    few, reference = len(readings) < len(law.unknowns), common.answer
+    if few and not (common.waveforms_hold and common.fit is not None and common.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
     if few and reference is not None:
         reference = replace(
             reference, notes=(*reference.notes, Finding("fewer levels", effect=UNBOUNDED))
         )
-    readings = with_common_fit(readings, joint, law)
+    readings = with_common_fit(readings, common, law)
     samples = read_samples(readings)
     line = microstick(samples)
-    alone = joint.answer_of_fundamentals
+    alone = common.answer_of_fundamentals
     estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
-    K_z = reference.K_z if reference is not None and joint.waveforms_hold else UNKNOWN
-    direct = _balance(LawRows(law, k, joint.frictionless), readings, samples, K_z)
-    notes = (*direct.notes, *notes_on(direct, readings, joint))
+    K_z = reference.K_z if reference is not None and common.waveforms_hold else UNKNOWN
+    direct = _balance(LawRows(law, k, common.frictionless), readings, samples, K_z)
+    notes = (*direct.notes, *notes_on(direct, readings, common))
     estimates[DIRECT] = replace(direct, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
-    fit, rig = joint.fit, list[Finding]()
-    if fit is not None and not joint.linear:
-        rig = implied(joint.closest, mass if joint.mass_fits else None)
-    if joint.delay is not None and not (joint.explained or joint.hinted):
-        rig.append(Finding("timing", {"late": joint.delay}))
-    of_records = on_records(readings, joint)
-    of_all = agreement(readings, line, joint, direct)
-    if fit is not None and joint.waveforms_hold and GRADUAL not in fit.problem.freed:
+    fit, rig = common.fit, list[Finding]()
+    if fit is not None and not common.linear:
+        rig = implied(common.closest, mass if common.mass_fits else None)
+    if common.delay is not None and not (common.explained or common.hinted):
+        rig.append(Finding("timing", {"late": common.delay}))
+    of_records = on_records(readings, common)
+    of_all = agreement(readings, line, common, direct)
+    if fit is not None and common.waveforms_hold and GRADUAL not in fit.problem.freed:
         rig += condition_on_contact(fit, fit.departures.values())
     return Result(
-        basis=ForcedBasis(law, tuple(readings), joint, samples.point.features, line),
+        basis=ForcedBasis(law, tuple(readings), common, samples.point.features, line),
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
@@ -390,10 +390,10 @@ def identify_readings(
     )
 
 
-def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) -> bool:
+def _vetoed(common: CommonFit, readings: Sequence[Reading], k: float, law: Law) -> bool:
     """Return whether direct integration contradicts the fit that is freed of departures, and is nearer to the plain
     one: these departures are then as likely a chance of the noise."""
-    plain = joint.uncorrected
+    plain = common.uncorrected
     readings = with_common_fit(readings, plain, law)
     direct = _balance(LawRows(law, k, frictionless=False), readings, read_samples(readings))
     own = direct.coefficients.items()
@@ -401,7 +401,9 @@ def _vetoed(joint: JointFit, readings: Sequence[Reading], k: float, law: Law) ->
     def apart(fit: OscillatorFit) -> float:
         return math.hypot(*((p.value - fit.value(s)) / p.standard_error for s, p in own))
 
-    return any(contradiction(direct, joint.closest)) and apart(plain.closest) < apart(joint.closest)
+    return any(contradiction(direct, common.closest)) and apart(plain.closest) < apart(
+        common.closest
+    )
 
 
 def _balance(

@@ -32,7 +32,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from ..arrays import Array, Integers
-from ..fit.decay import Decay, RingFit
+from ..fit.decay import Decay, DecayFit
 from ..signals.bursts import Signal, least_noise
 from ..signals.simpson import integrals
 from ..signals.thresholds import SIGNIFICANT
@@ -73,7 +73,7 @@ class Swings(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class RingRows:
+class DecayRows:
     """Rows of all decays.
 
     columns : (n, 3), see W, A, B.   covariance : of W − a F_k − b c, J², (n, n).   decay, friction : number of the
@@ -95,7 +95,7 @@ class RingRows:
         return sum(max(0, len(turns) - 1) for turns, _ in self.turns)
 
 
-def rows_of(fit: RingFit) -> RingRows:
+def rows_of(fit: DecayFit) -> DecayRows:
     """Return the rows of all decays of a fit, which gives them k, Z_m, the period and samples that are missing, and
     nothing else."""
     forces = [float(fit.point_of(i)[0]) for i in range(len(fit.decays))]
@@ -124,10 +124,10 @@ def rows_of(fit: RingFit) -> RingRows:
         by = scale * np.hstack([0.5 * fit.k * differ - pair * loss, -c * pair / read.D])
         blocks.append(by @ read.covariance @ by.T)
     free = sum(read.free for read, _ in swings)
-    return RingRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
+    return DecayRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
 
 
-def _without_gaps(fit: RingFit) -> list[Decay]:
+def _without_gaps(fit: DecayFit) -> list[Decay]:
     """Return the decays of a fit with its motion in place of the samples that are missing."""
     gaps = [signal.missing for one in fit.decays for signal in one.signals]
     if not any(gap is not None and gap.any() for gap in gaps):

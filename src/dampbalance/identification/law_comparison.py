@@ -37,7 +37,7 @@ from ..signals.one_thread import one_thread
 from ..signals.thresholds import BUDGET
 from ..solver import solve
 from .oscillator import (
-    JointFit,
+    CommonFit,
     LawRows,
     Samples,
     covariance_of_rows,
@@ -230,7 +230,7 @@ def compare_laws(
         if len(tried.unknowns) > len(readings):
             return None
         # the onset of a slip that stands for none has errors beyond first order, and enters no row
-        alone = LawTest(kept) if rubs else _by_balance(kept, tried, readings, JointFit(None, True))
+        alone = LawTest(kept) if rubs else _by_balance(kept, tried, readings, CommonFit(None, True))
         if alone.balance is not None and alone.balance.p < _SURE:
             return alone, None  # where there is friction, the balance shows it at once
         fit = fit_quickly(HarmonicProblem(tried, lines, k), near)
@@ -238,7 +238,7 @@ def compare_laws(
             fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             return LawTest(kept), None
-        balance = _by_balance(kept, tried, readings, JointFit(fit, False)) if rubs else alone
+        balance = _by_balance(kept, tried, readings, CommonFit(fit, False)) if rubs else alone
         p = probability(fit.chi_square, fit.freedom, fit.lines)
         waveforms = {"waveforms": Probability(fit.chi_square, fit.freedom, p)}
         in_phase = tuple(fit.in_phase.tolist())
@@ -285,15 +285,15 @@ def _as_stiff(test: LawTest, best: LawTest) -> bool:
 
 
 def _by_balance(
-    terms: tuple[str, ...], law: Law, readings: Sequence[Reading], joint: JointFit
+    terms: tuple[str, ...], law: Law, readings: Sequence[Reading], common: CommonFit
 ) -> LawTest:
     """Return the test of one law by the balance.
 
-    terms : of it; `law` may have a friction force that stands for none.   joint : with the oscillator that has it, or
+    terms : of it; `law` may have a friction force that stands for none.   common : with the oscillator that has it, or
     none, whose rows need no onset of slip.
     """
-    rows_of = LawRows(law, readings[0].steady.k, frictionless=joint.fit is None)
-    samples = read_samples(with_common_fit(readings, joint, law))
+    rows_of = LawRows(law, readings[0].steady.k, frictionless=common.fit is None)
+    samples = read_samples(with_common_fit(readings, common, law))
     cycles = min(len(reading.steady.weights) for reading in readings)
     balance, coefficients = _generalised(samples.map(lambda of: rows_of(of.features)), cycles)
     return LawTest(terms, coefficients, {"balance": balance})

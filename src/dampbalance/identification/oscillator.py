@@ -41,7 +41,7 @@ _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
 
 @dataclass(frozen=True, eq=False)
-class JointFit:
+class CommonFit:
     """One oscillator fitted to all records.
 
     fit : the oscillator that responds most like them, with the departures that explain them left free; None where no
@@ -70,7 +70,7 @@ class JointFit:
     frictionless: bool = False
 
     @property
-    def uncorrected(self) -> JointFit:
+    def uncorrected(self) -> CommonFit:
         """The plain fit as the answer, which its departures are a hint to."""
         return replace(
             self, fit=self.plain, plain=None, mass_fits=True, explained=(), hinted=self.explained
@@ -164,7 +164,7 @@ class JointFit:
         return answer_of_fit(fit, fit.law.unknowns, [note], name=FUNDAMENTALS, residual=fit.scatter)
 
 
-def joint_fit(
+def common_fit(
     lines: Sequence[Lines],
     k: float,
     m: float | None = None,
@@ -174,7 +174,7 @@ def joint_fit(
     stiffness_error: float = 0.0,
     departures: bool = True,
     frames: bool = False,
-) -> JointFit:
+) -> CommonFit:
     """Return the oscillator behind the records.
 
     The records determine the mass by themselves, often better than scales do: the fit takes a mass that is given only
@@ -212,7 +212,7 @@ def joint_fit(
             sizes = [float(abs(one.x[0])) for one in lines]
             alike = len(lines) < len(law.unknowns) or max(sizes) < _DIFFER * min(sizes)
             bare = alike or stuck.sticks is True
-        return JointFit(fit, linear, (), 0.0, m, fits, alone, stuck=stuck, frictionless=bare)
+        return CommonFit(fit, linear, (), 0.0, m, fits, alone, stuck=stuck, frictionless=bare)
     error = fit.error("m")
     given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
     # χ² rises by the square of the difference over the error of the records alone
@@ -226,13 +226,13 @@ def joint_fit(
         found = explanations(fit, lines, penalty=penalty, near=alone, frames=unsure)
     if not found:
         fits = penalty(alone or fit) < SHOWS
-        return JointFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
+        return CommonFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
     best = found[0].fit
     fall = fit.chi_square + penalty(fit) - best.chi_square - penalty(best)
     chance = fall < fall_of(P_SHOWN, lines) and fit.adequate and penalty(fit) < SHOWS
     plain = fit if chance else None
     fit = fit if FRAME in found[0].names else best
-    return JointFit(fit, linear, found, fall, m, penalty(best) < SHOWS, plain=plain)
+    return CommonFit(fit, linear, found, fall, m, penalty(best) < SHOWS, plain=plain)
 
 
 def _searched(
@@ -264,7 +264,7 @@ def _searched(
 
 
 def with_common_fit(
-    readings: Sequence[Reading], joint: JointFit, law: Law | None = None
+    readings: Sequence[Reading], common: CommonFit, law: Law | None = None
 ) -> list[Reading]:
     """Return the readings with the waveforms of the fit.
 
@@ -274,13 +274,13 @@ def with_common_fit(
     law : of the terms whose integrals are wanted.
     """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
-    fit = None if joint.linear else joint.fit
+    fit = None if common.linear else common.fit
     fitted = []
     for i, reading in enumerate(readings):
         shared = fit.waveforms[i] if fit is not None and fit.adequate else None
         travel = reading.stick_travel
         if fit is not None and not fit.adequate:
-            nearest = (joint.fundamentals or fit).responses[i]
+            nearest = (common.fundamentals or fit).responses[i]
             travel = nearest.stick_travel if nearest.slips else math.nan
         fitted.append(replace(reading, waveform=shared, stick_travel=travel, terms=wanted))
     return fitted

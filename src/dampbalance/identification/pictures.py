@@ -28,7 +28,7 @@ from ..figures.style import (
     place,
     styled,
 )
-from ..fit.decay import COMMON, RingFit
+from ..fit.decay import COMMON, DecayFit
 from ..fit.waveforms import WaveformFit
 from ..project.wording import cut
 from ..records.channel import ORDERS
@@ -187,7 +187,7 @@ def balance(answers: Mapping[str, Answer], two: bool, of: Coordinate) -> Figure:
 
 
 @styled()
-def decays(fit: RingFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) -> Figure:
+def decays(fit: DecayFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) -> Figure:
     """Return each decay (dots), the motion of the oscillator of largest likelihood (line) and the turns read for the
     balance (rings); below, what the fit leaves, over the standard deviation of the noise. A panel per decay, the first
     24.

@@ -13,7 +13,7 @@ from ..records.coordinate import Coordinate
 from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from .loading import load
-from .oscillator import JointFit, joint_fit
+from .oscillator import CommonFit, common_fit
 
 
 class Masses(NamedTuple):
@@ -71,7 +71,7 @@ def require_possible(
 
 
 def of_a_mount(
-    joint: JointFit,
+    common: CommonFit,
     records: Sequence[Record],
     k: float,
     masses: Masses,
@@ -80,9 +80,9 @@ def of_a_mount(
 ) -> Iterator[Finding]:
     """Yield a finding where the records are those of a mount within their noise, and not of a contact to the ground.
 
-    joint : the fit with the contact to the ground.   k : N/m.   of_drive : options of `load`.
+    common : the fit with the contact to the ground.   k : N/m.   of_drive : options of `load`.
     """
-    sure = joint.waveforms_hold and not joint.explained
+    sure = common.waveforms_hold and not common.explained
     driven = any("force" in record.quantities for record in records)
     if sure or driven or masses.moving is None or masses.on_base is not None:
         return
@@ -91,7 +91,7 @@ def of_a_mount(
     except ValueError:  # a mass with which nothing moves like this
         return
     lines = [reading.lines for reading in readings]
-    other = joint_fit(lines, k, masses.moving, law, departures=False)
+    other = common_fit(lines, k, masses.moving, law, departures=False)
     if other.waveforms_hold and other.mass_fits and other.fit is not None:
         values = tuple((key, other.fit.value(key)) for key in law.unknowns)
         yield Finding("mount", {"values": values}, UNBOUNDED)

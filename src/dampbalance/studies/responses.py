@@ -21,7 +21,7 @@ from scipy.optimize import brentq
 from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped_phase
-from ..identification.oscillator import JointFit, joint_fit, sample_of, with_common_fit
+from ..identification.oscillator import CommonFit, common_fit, sample_of, with_common_fit
 from ..law.terms import of_harmonics
 from ..model import BaseMotion, Oscillator
 from ..motion.law_steady import Response, steady_response
@@ -173,9 +173,9 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
         records = [_measured(cases, osc, case, level) for level in range(len(cases.Y))]
         random = np.random.default_rng([study.seed, number, len(cases.Y)])
         read = [record if isinstance(record, str) else record[0] for record in records]
-        features, joint = _with_one_oscillator(read, osc.k, study.replicates, random)
+        features, common = _with_one_oscillator(read, osc.k, study.replicates, random)
         seen.append(features)
-        if joint is not None and (fit := joint.fit) is not None and not joint.linear:
+        if common is not None and (fit := common.fit) is not None and not common.linear:
             fitted[0, :, case] = [*map(fit.value, TERMS), fit.K_z]
             fitted[1, :, case] = [*map(fit.error, TERMS), fit.K_z_error]
         if by_simpson:
@@ -214,7 +214,7 @@ def _measured(cases: Cases, osc: Oscillator, case: int, level: int) -> tuple[Rea
 
 def _with_one_oscillator(
     read: Sequence[Reading | str], k: float, count: int, random: np.random.Generator
-) -> tuple[Features, JointFit | None]:
+) -> tuple[Features, CommonFit | None]:
     """Return features of the levels of a case and their replicates, (L, 1 + count), and the oscillator fitted to all of
     them.
 
@@ -225,7 +225,7 @@ def _with_one_oscillator(
     reasons = [of_numbers(np.nan, reason)[:, None] for reason in read if isinstance(reason, str)]
     parts, whole = [nothing[:, [0] * (1 + count)] for nothing in reasons], None
     if readings:
-        whole = joint_fit([reading.lines for reading in readings], k, departures=False)
+        whole = common_fit([reading.lines for reading in readings], k, departures=False)
         shared = with_common_fit(readings, whole)
         means = [each.mean.followed_by(each.resampled(count, random)) for each in shared]
         features = sample_of(shared, means).features

@@ -18,7 +18,7 @@ from dampbalance.commands.main import main
 from dampbalance.findings.finding import Finding
 from dampbalance.fit.decay import Decay, DecayProblem
 from dampbalance.identification.answer import USABLE
-from dampbalance.identification.decays import identify_ring_downs
+from dampbalance.identification.decays import identify_decay_records
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.half_cycles import rows_of
 from dampbalance.records.channel import Channel, Correction
@@ -58,7 +58,7 @@ def steady(Y=2e-3, seed=0):
 @cache
 def plucked(**options):
     """What a release of the oscillator gives."""
-    return identify_ring_downs([record(PLUCKED)[0]], PLUCKED.k, **options)
+    return identify_decay_records([record(PLUCKED)[0]], PLUCKED.k, **options)
 
 
 @pytest.mark.parametrize("index", [10, 13])
@@ -67,7 +67,7 @@ def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
     seed = 1795443154
     decay = draw(index, seed)
     measured, free = record(decay, seed)
-    found = identify_ring_downs([measured], decay.k)
+    found = identify_decay_records([measured], decay.k)
     period = 2.0 * math.pi / decay.omega_n
     starts = [one.start for one in found.basis.fit.decays]
     np.testing.assert_allclose(starts, free, rtol=0, atol=0.1 * period)
@@ -80,7 +80,7 @@ def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
 def test_a_release_tells_friction_damping_and_contact(quantity):
     decay = replace(PLUCKED, answers=(quantity,))
     whole = decay == PLUCKED
-    result = plucked() if whole else identify_ring_downs([record(decay)[0]], decay.k)
+    result = plucked() if whole else identify_decay_records([record(decay)[0]], decay.k)
     holds(result, decay)
     assert result.basis.fit.adequate
     # 1 % noise over 12 half cycles leaves 2 % to the fit; see below for the balance
@@ -94,7 +94,7 @@ def test_a_record_without_noise_gives_the_oscillator_back(quantity):
     clean = measured_ring_down(
         OSCILLATOR, x=5e-3, rate_hz=500.0, duration=5.0, held=0.2, channels=(quantity,)
     )
-    result = identify_ring_downs([clean], OSCILLATOR.k)
+    result = identify_decay_records([clean], OSCILLATOR.k)
     assert result.basis.fit.adequate
     for symbol in SYMBOLS:
         truth = getattr(OSCILLATOR, symbol)
@@ -126,7 +126,7 @@ def test_what_held_the_mass_before_is_left_out():
 
 def test_records_go_together():
     records = [record(replace(PLUCKED, index=i))[0] for i in range(3)]
-    all_of_them = identify_ring_downs(records, PLUCKED.k)
+    all_of_them = identify_decay_records(records, PLUCKED.k)
     holds(all_of_them, PLUCKED)
     error, of_one = (each.basis.fit.error("F_k") for each in (all_of_them, plucked()))
     # the starts are found within a tenth of a cycle, the first tenth of the largest of 12 half cycles
@@ -149,7 +149,7 @@ def released(frictions):
 
 @pytest.fixture(scope="module")
 def scattering():
-    return identify_ring_downs(released(SCATTERING), RIG.k)
+    return identify_decay_records(released(SCATTERING), RIG.k)
 
 
 def test_releases_that_scatter_have_friction_forces_of_their_own(scattering):
@@ -191,14 +191,14 @@ def test_releases_of_one_record_may_scatter():
     values = np.hstack(parts)[0]
     values += 2e-5 * np.random.default_rng(0).standard_normal(values.size)
     channel = Channel("displacement", np.arange(values.size) / PLUCKED.rate_hz, values)
-    fit = identify_ring_downs([Record.of("three", [channel])], PLUCKED.k).basis.fit
+    fit = identify_decay_records([Record.of("three", [channel])], PLUCKED.k).basis.fit
     for i, (force, F_k) in enumerate(zip(fit.frictions, frictions, strict=True)):
         place = fit.friction_places[i]
         assert abs(force - F_k) < FAR * math.sqrt(fit.covariance[place, place])
 
 
 def test_releases_that_share_a_friction_force_have_one():
-    found = identify_ring_downs(released([1.5] * 2), RIG.k)
+    found = identify_decay_records(released([1.5] * 2), RIG.k)
     assert found.basis.fit.frictions.size == 1
     assert found.document()["F_k_scatter_N"] == 0.0
     assert "friction differs" not in {one.code for one in found.rig}
@@ -227,7 +227,7 @@ def test_derivatives_by_friction_forces_are_those_of_the_samples(scattering):
 def test_a_blow_soon_after_the_first_sample_is_identified(decay, lasts):
     for instant in (0.0, 0.06):
         measured = struck(replace(decay, F_k=0.1), instant, lasts)
-        found = identify_ring_downs([measured], decay.k)
+        found = identify_decay_records([measured], decay.k)
         assert found.basis.fit.adequate, instant
         off = found.values["F_k"] - 0.1
         assert abs(off) < FAR * found.standard_errors["F_k"], instant
@@ -250,7 +250,7 @@ def sampled(spc, kind="pluck", quantity="displacement"):
 )
 def test_few_samples_a_cycle_suffice(spc, kind, quantity):
     decay = sampled(spc, kind, quantity)
-    found = identify_ring_downs([record(decay)[0]], decay.k)
+    found = identify_decay_records([record(decay)[0]], decay.k)
     assert found.basis.fit.adequate
     for symbol in ("F_k", "c"):
         off = found.values[symbol] - getattr(decay, symbol)
@@ -265,7 +265,7 @@ def test_few_samples_a_cycle_of_a_ringing_contact_suffice(index, spc):
     one = {"starts": (("pluck", size),), "lasts": drawn.lasts[:1], "lead": drawn.lead[:1]}
     rate = spc * drawn.omega_n / (2.0 * math.pi)
     decay = replace(drawn, **one, answers=("acceleration",), rate_hz=rate, noise=3e-3)
-    found = identify_ring_downs([record(decay, index)[0]], decay.k)
+    found = identify_decay_records([record(decay, index)[0]], decay.k)
     assert abs(found.values["F_k"] / decay.F_k - 1.0) < 0.02
     ringing = math.sqrt((decay.k + decay.K_z) / decay.m) / (2.0 * math.pi)
     if ringing > 0.5 * rate:
@@ -280,7 +280,7 @@ def test_a_decay_of_two_half_cycles_is_identified(height, lead):
     period = 2.0 * math.pi / PLUCKED.omega_n
     of = {"F_k": PLUCKED.k * 0.005 / height, "lead": (lead * period,), "lasts": (2.2 * period,)}
     decay = replace(PLUCKED, **of, noise=1e-3)
-    found = identify_ring_downs([record(decay)[0]], decay.k)
+    found = identify_decay_records([record(decay)[0]], decay.k)
     assert abs(found.values["F_k"] - decay.F_k) < FAR * found.standard_errors["F_k"]
     assert found.standard_errors["F_k"] < 0.1 * decay.F_k
 
@@ -291,7 +291,7 @@ def test_too_few_samples_a_cycle_are_counted():
     with pytest.raises(
         ValueError, match=r"it has 3\.8 samples a cycle, 10 are needed: sample faster"
     ):
-        identify_ring_downs([record(decay)[0]], decay.k)
+        identify_decay_records([record(decay)[0]], decay.k)
 
 
 def test_it_agrees_with_the_forced_result_for_the_same_oscillator():
@@ -343,7 +343,7 @@ def test_a_sensor_that_is_not_linear_is_left_for_the_band_of_the_mode():
     measured, _ = record(replace(PLUCKED, noise=0.001))
     x = measured["displacement"].values
     bent = changed(measured, "displacement", values=x + 30.0 * np.abs(x) * x)
-    result = identify_ring_downs([bent], PLUCKED.k)
+    result = identify_decay_records([bent], PLUCKED.k)
     assert result.basis.fit.problem.band is not None
     # swings 15 % too large at first decay faster: c is too large by about 15 % of the loss, and something is said of it
     assert "damping" in result.text()
@@ -410,7 +410,7 @@ def test_gain_delay_and_filters_are_taken_off():
     def corrected(correction, values):
         other = {"values": values, "name": "x", "correction": correction}
         record = changed(measured, "displacement", **other).corrected()
-        return identify_ring_downs([record], PLUCKED.k)
+        return identify_decay_records([record], PLUCKED.k)
 
     plain = plucked().reference
     gained = corrected(Correction(gain=1.25, delay=0.01), 1.25 * x).reference
@@ -451,7 +451,7 @@ def test_a_record_without_a_decay_is_refused_in_a_sentence(values, message):
     with pytest.raises(
         ValueError, match=rf"run: the excitation channel is missing .* no free decay .*{message}"
     ):
-        identify_ring_downs([none], PLUCKED.k)
+        identify_decay_records([none], PLUCKED.k)
 
 
 def test_stamps_rounded_to_milliseconds_are_no_obstacle_to_a_short_decay(tmp_path):
