@@ -11,6 +11,7 @@ from dampbalance.findings.finding import Finding
 from dampbalance.findings.sentences import SENTENCES, Sentence
 from identification.levels import measured
 from paper_case import PAPER
+from toys import toy
 
 
 @pytest.fixture
@@ -41,8 +42,7 @@ def test_a_finding_is_a_line_in_the_table(sound, monkeypatch):
 
 def test_a_verdict_depends_on_effects_and_not_on_the_order(sound):
     some = [
-        Finding("as read", {"words": word}, effect)
-        for word, effect in (("a", {"F_k": 0.3}), ("b", {"": 0.06}), ("c", {}))
+        toy(word, effect) for word, effect in (("a", {"F_k": 0.3}), ("b", {"": 0.06}), ("c", {}))
     ]
     verdicts = [
         {s: v[:3] for s, v in replace(sound, odd=tuple(order)).answer.verdicts.items()}

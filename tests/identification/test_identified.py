@@ -21,13 +21,13 @@ from dampbalance import (
     measured_ring_down,
     read_records,
 )
-from dampbalance.findings.finding import Finding
 from dampbalance.findings.words import sentence
 from dampbalance.identification import report
 from dampbalance.identification.outputs import ALL_PICTURES, PICTURES, REPORT, TABLES, pictures_of
 from folders import ROOT
 from identification.levels import changed, clipped, measured
 from paper_case import PAPER
+from toys import toy
 
 LEVELS = (0.004, 0.007, 0.010, 0.012)
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
@@ -188,11 +188,9 @@ def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady):
 
 
 def test_the_screen_has_three_causes_the_one_that_changes_most_first():
-    few = Finding("as read", {"words": "a cable hides a part"}, {"F_k": 0.01})
-    much = Finding("as read", {"words": "the gain is wrong; check it"}, {"": 0.2})
-    others = [
-        Finding("as read", {"words": f"a {word} is seen"}) for word in ("line", "step", "drift")
-    ]
+    few = toy("a cable hides a part", {"F_k": 0.01})
+    much = toy("the gain is wrong; check it", {"": 0.2})
+    others = [toy(f"a {word} is seen") for word in ("line", "step", "drift")]
     found = replace(identify(made(), PAPER.k), odd=(*others, few, much))
     said = [line for line in found.screen().splitlines() if line.startswith("- ")]
     assert said == [

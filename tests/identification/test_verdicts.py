@@ -29,6 +29,7 @@ from dampbalance.identification.result import Result
 from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import listed, times
 from dampbalance.records.coordinate import TRANSLATION
+from toys import TOY, toy
 
 
 def parameter(value, half):
@@ -50,11 +51,6 @@ def with_parameters(**changed):
     return replace(SOUND, parameters={**SOUND.parameters, **changed})
 
 
-def toy(words, effect=None, of=""):
-    """A finding that says these words."""
-    return Finding("as read", {"words": words}, effect or {}, of)
-
-
 NOTED = toy("another oscillator")
 FAR = Finding("far", effect=UNBOUNDED)
 WIDE = parameter(1.28, 0.65)
@@ -67,7 +63,7 @@ UNSOLVED = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), n
     [
         (SOUND, "usable within 0.96 %", []),
         (replace(SOUND, notes=(NOTED,)), "usable within 0.96 %", []),
-        (UNSOLVED, "none", ["as read"]),
+        (UNSOLVED, "none", [TOY]),
         (with_parameters(K_z=UNKNOWN), "usable within 0.78 %: F_k, c; none: K_z", ["undetermined"]),
         (
             with_parameters(K_z=LIMIT),

@@ -11,6 +11,8 @@ import importlib
 from typing import Any
 
 from ..findings.finding import Finding
+from ..findings.words import sentence
+from .coordinate import TRANSLATION
 
 
 class RecordError(ValueError):
@@ -18,10 +20,10 @@ class RecordError(ValueError):
 
 
 class RecordWarning(UserWarning):
-    """A record that can be used, but looks odd.   finding : what is odd, where that has numbers."""
+    """A record that can be used, but looks odd.   finding : what is odd about it."""
 
-    def __init__(self, words: str, finding: Finding | None = None) -> None:
-        super().__init__(words)
+    def __init__(self, path: object, finding: Finding) -> None:
+        super().__init__(f"{path}: {sentence(finding, TRANSLATION)}")
         self.finding = finding
 
 

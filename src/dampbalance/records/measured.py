@@ -121,10 +121,8 @@ def _collected_warnings(name: str) -> Iterator[list[Finding]]:
         warnings.simplefilter("always", RecordWarning)
         yield warned
     for one in (w.message for w in caught if isinstance(w.message, RecordWarning)):
-        words = str(one).removeprefix(f"{name}: ")
-        odd = one.finding or Finding("as read", {"words": words})
-        if odd not in warned:
-            warned.append(odd)
+        if one.finding not in warned:
+            warned.append(one.finding)
 
 
 def require_different(records: Sequence[Record]) -> None:

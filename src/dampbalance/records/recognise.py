@@ -18,7 +18,6 @@ import numpy as np
 
 from ..arrays import Array, Integers, Mask
 from ..findings.finding import Finding
-from ..findings.words import sentence
 from ..project.wording import shortened
 from . import errors
 from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
@@ -128,7 +127,7 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     if not mapping.channels:
         guesses.require_one_coordinate([*chosen.values()])
         for guess in _guesses(guesses, picks):
-            warnings.warn(RecordWarning(f"{guesses.path}: {guess}"), stacklevel=2)
+            warnings.warn(RecordWarning(guesses.path, guess), stacklevel=2)
     return picks
 
 
@@ -165,14 +164,13 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pic
     )
 
 
-def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
+def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
     """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
     signals as long as those read that no name distinguished; a displacement or velocity that only its unit shows, which
     may be that against a base that moves."""
     names = guesses.names
     for axis in (i for i, why in guesses.axes.items() if not why):
-        use = "is used as the acceleration of the mass, as it is the axis with the most motion"
-        yield f"{names[axis]} {use}; name another in {guesses.where} if the mass moves along it"
+        yield Finding("axis", {"channel": names[axis], "where": guesses.where})
     sizes = {guesses.channels[pick.index].size for pick in picks}
     used = {i for pick in picks for i in (pick.index, pick.time)} | {*guesses.axes}
     if unused := [
@@ -180,15 +178,13 @@ def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[str]:
         for i, raw in enumerate(guesses.channels)
         if i not in used and raw.size in sizes and not holds_time(raw)
     ]:
-        remedy = f"say in {guesses.where} what they hold, if it is needed"
-        yield f"channels not used: {first_of(unused)}; {remedy}"
+        yield Finding("not used", {"channels": first_of(unused), "where": guesses.where})
     chosen = {pick.quantity: pick.index for pick in picks}
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
         if moving and quantity in chosen and guesses.named(chosen[quantity]) is None:
-            use = f"is taken for the {quantity} of the mass against the ground, as no other channel can be"
-            say = f"say relative_{quantity} in {guesses.where}"
-            yield f"{names[chosen[quantity]]} {use}; {say} if it is measured against the base"
+            of = {"channel": names[chosen[quantity]], "quantity": quantity}
+            yield Finding("against the ground", of | {"where": guesses.where})
 
 
 def _unit(guesses: Guesses, raw: RawChannel, given: str | None, quantity: str) -> float:
@@ -250,8 +246,7 @@ def _checked(
     unit, this = pick.coordinate.unit(QUANTITIES[pick.quantity]), f"channel {pick.name!r}"
     signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
     present = np.flatnonzero(~np.isnan(values))
-    lost = f"{this}: {{}} sample{{}} empty or not a number, and left out of what is fitted: {{}}"
-    _warn_of(file, lost, np.flatnonzero(np.isnan(values)))
+    _warn_of("no numbers", file, this, np.flatnonzero(np.isnan(values)))
     _require_no_overflow(file, pick, values, present)
     if pick.time is None:
         t = sample_times(pick.rate_hz, pick.start, 0, values.size)
@@ -261,10 +256,9 @@ def _checked(
         _require_rate(t, f"{file.path}: {time}")
         rows, number = _numbered(t, [one[: t.size] for one in beside if one.size >= t.size])
         again = np.setdiff1d(np.flatnonzero(np.isfinite(t)), rows)
-        _warn_of(file, f"{time}: {{}} row{{}} there twice, and left out once: {{}}", again)
+        _warn_of("rows twice", file, time, again)
         gaps, size = np.flatnonzero(np.diff(number) > 1), int(number[-1]) + 1
-        lost = f"{time}: {{}} sample{{}} missing, and left out of what is fitted: before {{}}"
-        _warn_of(file, lost, rows[gaps + 1], size - rows.size)
+        _warn_of("rows missing", file, time, rows[gaps + 1], size - rows.size)
         if size != t.size or gaps.size:
             t, recorded = np.interp(np.arange(size), number, t[rows]), signal[rows]
             signal = np.full(size, np.nan)
@@ -422,16 +416,16 @@ def _filled(signal: Array, missing: Mask) -> Array:
     return signal
 
 
-def _warn_of(file: Table, words: str, rows: Integers, count: int = 0) -> None:
-    """Say in a warning which rows are left out, in words with places for their number, its verb and where they stand.
+def _warn_of(code: str, file: Table, channel: str, rows: Integers, count: int = 0) -> None:
+    """Warn of rows that are left out of a channel, with their number and where they stand.
 
-    count : number of the samples, where it is not that of the rows.
+    code : of the finding.   count : number of the samples, where it is not that of the rows.
     """
     count = count or rows.size
     if count:
         places = [file.place(int(i)) for i in rows[:_PLACES]] + ["…"] * (rows.size > _PLACES)
-        said = words.format(f"{count:,}", "s are" if count > 1 else " is", ", ".join(places))
-        warnings.warn(RecordWarning(f"{file.path}: {said}"), stacklevel=2)
+        of = {"channel": channel, "count": count, "many": count > 1, "places": ", ".join(places)}
+        warnings.warn(RecordWarning(file.path, Finding(code, of)), stacklevel=2)
 
 
 def _in_equal_steps(t: Array, path: object, channel: str) -> Array:
@@ -445,8 +439,7 @@ def _in_equal_steps(t: Array, path: object, channel: str) -> Array:
     line, q, step, bound = rounded
     of = {"where": channel, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
     said = Finding("rounded times", of, {"": bound})
-    words = f"{path}: {sentence(said, TRANSLATION)}"
-    warnings.warn(RecordWarning(words, said), stacklevel=2)
+    warnings.warn(RecordWarning(path, said), stacklevel=2)
     return line
 
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats
 from ..arrays import Array, ReadOnly
+from ..findings.finding import Finding
 from ..project.wording import shortened
 from .errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError, RecordWarning
 from .units import split_label
@@ -64,7 +65,8 @@ class Table:
 
     channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
     an empty cell.   place : where a sample, counted from 0, stands in the file.
-    oddity : what is odd about the file, warned of when it is read; "" for nothing.   what : the format, for messages.
+    oddity : code of what is odd about the file, warned of when it is read; "" for nothing.
+    what : the format, for messages.
     loaded : channels loaded already.
     """
 
@@ -80,7 +82,7 @@ class Table:
         """Return all samples of channels by their numbers. Raises RecordError for a damaged file and for what is no
         number; warns of what is odd about the file."""
         if self.oddity:
-            warnings.warn(RecordWarning(self.oddity), stacklevel=2)
+            warnings.warn(RecordWarning(self.path, Finding(self.oddity)), stacklevel=2)
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
             for i, values in zip(missing, self.load(missing) if missing else (), strict=True):
@@ -104,13 +106,6 @@ def intact(path: Path, what: str) -> Iterator[None]:
         raise RecordError(
             f"{path}: cannot be read as {what}, it is damaged or was cut short ({shortened(reason, 200)[1:-1]})"
         ) from None
-
-
-def tail(path: Path, rows: str, first: int, last: int) -> str:
-    """Say that text at the end of a file is left aside.   rows : what its rows are called; from the first to the last
-    of them."""
-    where = f"{rows} {first}" if first == last else f"{rows}s {first} to {last}"
-    return f"{path}: text after the last row of numbers, {where}, is left aside"
 
 
 class Unread(NamedTuple):

@@ -19,17 +19,19 @@ from typing import TYPE_CHECKING, Any, TextIO
 import numpy as np
 
 from ...arrays import Array
+from ...findings.finding import Finding
 from ...project.wording import shortened
 from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError, RecordWarning
 from ..headings import key_of, names_time
 from ..mapping import RecordMapping
-from ..table import LONGEST_TAIL, RATE_NAMES, STEP_NAMES, RawChannel, Table, tail
+from ..table import LONGEST_TAIL, RATE_NAMES, STEP_NAMES, RawChannel, Table
 from ..units import find_other, find_unit, split_label
 
 if TYPE_CHECKING:
     import pandas as pd
 
 WHITESPACE = "whitespace"
+_NO_END = "no line end"  # code of a finding
 _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
@@ -325,8 +327,9 @@ class _Layout:
                 break
         else:
             if 0 < len(faults) <= LONGEST_TAIL and (ends := faults[0][0]):
-                said = tail(self.path, self.line, faults[0][1], faults[-1][1])
-                warnings.warn(RecordWarning(said), stacklevel=2)
+                lines = {"rows": self.line, "first": faults[0][1], "last": faults[-1][1]}
+                said = Finding("text after numbers", lines | {"many": len(faults) > 1})
+                warnings.warn(RecordWarning(self.path, said), stacklevel=2)
                 return ends
         if faults:
             raise RecordError(f"{self.path}: {self.line} {faults[0][1]}{faults[0][2]}")
@@ -356,9 +359,8 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
     with open(path, "rb") as file:
         file.seek(max(0, path.stat().st_size - 4))
         ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
-    cut = f"{path}: its last line has no end; if the file was cut, its last number is wrong"
     opened = partial(open, path, encoding=_encoding(path), errors="replace")
-    return replace(text_table(path, opened, mapping), oddity="" if ended else cut)
+    return replace(text_table(path, opened, mapping), oddity=_NO_END * (not ended))
 
 
 def text_table(
