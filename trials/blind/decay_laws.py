@@ -70,7 +70,7 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
         return [row | {"refused": str(error)}]
     row["seconds"] = time.process_time() - began
     began = time.process_time()
-    laws = compare_decay_laws(result.fit) if compared else None
+    laws = compare_decay_laws(result.basis.fit) if compared else None
     row["seconds_laws"] = time.process_time() - began
     answer = result.approaches[REFERENCE]
     warned, rig = ({one.code: one for one in of} for of in (result.findings, result.rig))

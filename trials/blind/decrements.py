@@ -167,8 +167,8 @@ def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
         lasted = time.process_time() - began
         of_set |= {
             "seconds": lasted,
-            "used": len(result.fit.decays),
-            "above": above_the_optimum(result.fit, decay),
+            "used": len(result.basis.fit.decays),
+            "above": above_the_optimum(result.basis.fit, decay),
         }
         for way, answer in result.approaches.items():
             for symbol, p in answer.parameters.items():

@@ -326,9 +326,9 @@ def tried(run: Run) -> list[dict[str, object]]:
     own: dict[str, object] = {"name": fault.name} | run._asdict()
     k = fault.k * truth.k
     hertz = None if fault.stated is None else fault.stated * truth.omega / (2.0 * math.pi)
-    measurements = fault.records(truth, run.drawing)
     began = time.process_time()
     try:
+        measurements = fault.records(truth, run.drawing)
         readings = [read_features(one, k, frequency_hz=hertz) for one in measurements]
         result = identify_readings(readings, k)
     except (ValueError, ArithmeticError) as error:
