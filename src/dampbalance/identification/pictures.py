@@ -131,6 +131,8 @@ def friction(
             ends = 1e3 * orbit.X_s * np.array([1.0, -1.0])
             axes.plot(ends, [F_k, -F_k], "o", color=STICK, markersize=3.0, label="onset of slip")
         axes.set_ylabel(of.label("f", "N"), labelpad=1.0)
+        # long numbers would push the label off the page
+        axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
         axes.margins(0.08)
     return explained(figure, panels)
 
