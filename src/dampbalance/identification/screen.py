@@ -110,10 +110,9 @@ def named(found: Result[Any], findings: Sequence[Finding]) -> str:
 
 
 def measured(symbol: str, text: str, coordinate: Coordinate) -> str:
-    """Return F_k = 1.28 N for the text of a number, or K_z > 3000 N/m for that of a limit."""
-    equal = "" if text.startswith(">") else "= "
+    """Return F_k = 1.28 N for the text of a number."""
     unit = coordinate.unit(unit_of(symbol))
-    return with_unit(f"{coordinate.symbol(symbol)} {equal}{text}", unit)
+    return with_unit(f"{coordinate.symbol(symbol)} = {text}", unit)
 
 
 def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
