@@ -22,6 +22,7 @@ from . import (
     faults,
     field,
     field_score,
+    files,
     folding,
     joints,
     laws,
@@ -163,6 +164,15 @@ def in_the_field(options: argparse.Namespace) -> str:
     return field_score.table(done.set_index(["records", "set"]).loc[drawn].reset_index())
 
 
+def filed(options: argparse.Namespace) -> str:
+    """Identify files in the shapes of loggers, apps and test machines."""
+    shapes = {**files.SHAPES, **files.OTHERS}
+    wanted = options.kinds.split(",") if options.kinds else shapes
+    rows = _rows(files.outcome, [(name, options.seed) for name in wanted], options.processes)
+    rows.to_csv(options.output / "files.csv", index=False)
+    return files.table(rows)
+
+
 def folded(options: argparse.Namespace) -> str:
     """Identify records with a whole number of samples to the cycle, or nearly, behind a filter and without."""
     wanted = range(options.first, options.first + options.sets)
@@ -178,6 +188,7 @@ PARTS |= {
     "departures": departing,
     "decay_contacts": decays_of_contacts,
     "field": in_the_field,
+    "files": filed,
     "loops": looped,
     "folding": folded,
 }
