@@ -20,7 +20,15 @@ from ..arrays import Array, Integers, Mask
 from ..findings.finding import Finding
 from ..project.wording import shortened
 from . import errors
-from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
+from .channel import (
+    ACCOMPANYING,
+    EXCITATIONS,
+    QUANTITIES,
+    RESPONSES,
+    Channel,
+    Correction,
+    sample_times,
+)
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
@@ -53,8 +61,8 @@ _PLACES = 3  # that a warning lists
 class Pick:
     """One quantity of the record: value in SI = factor · what channel `index` holds.
 
-    time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on; time_factor : seconds per
-    unit of that channel.   correction : that its harmonics need.
+    time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on, at a rate of 0 without
+    times; time_factor : seconds per unit of that channel.   correction : that its harmonics need.
     coordinate : whether it rotates.
     """
 
@@ -123,7 +131,8 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
         raise guesses.unclear("finds no excitation")
     if entire and not answering:
         raise guesses.unclear("finds no response")
-    picks = tuple(_pick(guesses, q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
+    loop = {"force", "displacement"} <= {*chosen} <= {"force", "displacement", *ACCOMPANYING}
+    picks = tuple(_pick(guesses, q, chosen[q], rules[q], loop) for q in QUANTITIES if q in chosen)
     if not mapping.channels:
         guesses.require_one_coordinate([*chosen.values()])
         for guess in _guesses(guesses, picks):
@@ -131,8 +140,11 @@ def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tup
     return picks
 
 
-def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pick:
-    """Return the pick of a channel with the times that the mapping or the file gives it."""
+def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untimed: bool) -> Pick:
+    """Return the pick of a channel with the times that the mapping or the file gives it.
+
+    untimed : whether it does without, as a measured loop.
+    """
     raw = guesses.channels[index]
     if raw.stamps:
         raise RecordError(
@@ -158,6 +170,8 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pic
         raise RecordError(raw.fault)
     if raw.rate_hz is not None:
         return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
+    if untimed and not (rule.correction and rule.correction.of_time):
+        return pick
     raise RecordError(
         f"{guesses.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
         f"no sampling rate. {guesses.proposed('Say when it was sampled')}"
@@ -249,7 +263,7 @@ def _checked(
     _warn_of("no numbers", file, this, np.flatnonzero(np.isnan(values)))
     _require_no_overflow(file, pick, values, present)
     if pick.time is None:
-        t = sample_times(pick.rate_hz, pick.start, 0, values.size)
+        t = sample_times(pick.rate_hz or 1.0, pick.start, 0, values.size)
     else:
         time = f"time channel {file.channels[pick.time].name!r}"
         t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
@@ -269,9 +283,10 @@ def _checked(
     missing = np.isnan(signal)
     try:
         of = pick.name, pick.correction, pick.coordinate
+        timed = pick.time is not None or pick.rate_hz > 0.0
         if not missing.any():
-            return Channel(pick.quantity, t, signal, *of)
-        return Channel(pick.quantity, t, _filled(signal, missing), *of, missing)
+            return Channel(pick.quantity, t, signal, *of, timed=timed)
+        return Channel(pick.quantity, t, _filled(signal, missing), *of, missing, timed)
     except ValueError as error:
         raise RecordError(f"{file.path}: {error}") from None
 
