@@ -6,6 +6,7 @@ import math
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from ..findings.finding import Finding
@@ -173,7 +174,7 @@ def measured_of_levels(found: Result[Any], width: int | None, most: int | None =
     head, *rows = aligned([row[1:] for row in table])
     lines = [*wrapped([measured_caption(found)], width), "", head]
     for before, name, row in zip(names, names[1:], rows, strict=False):
-        title = [f"{cut(visible(name), width or len(name))}:"]
+        title = [f"{cut(visible(PurePath(name).name), width or len(name))}:"]
         lines += [*title * (name != before and len(found.sources) > 1), row]
     return lines
 

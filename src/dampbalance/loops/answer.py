@@ -166,17 +166,19 @@ class LoopBasis:
         for loop in self.loops:
             friction = np.full(loop.cycles, math.nan)
             if fit := self.fits.get(found.answer.name):
-                _, b, W = row_of(loop, fit)
-                friction = W - c * b
+                _, b, without_quadratic = row_of(loop, fit)
+                friction = without_quadratic - c * b
             samples = np.bincount(loop.cycle[loop.own])
             for own in levels_of(loop.amplitudes):
                 duration = float(np.median(samples[own]) * (loop.t[1] - loop.t[0]))
                 omega = 2.0 * math.pi / duration if loop.timed else math.nan
-                X, W = float(loop.amplitudes[own].mean()), float(loop.lost[own].mean())
+                X, W, of_friction = (
+                    float(of[own].mean()) for of in (loop.amplitudes, loop.lost, friction)
+                )
                 more = measures(X, W, loop.peaks[own].mean(axis=0))
                 zeta = more["equivalent_damping_ratio"]
                 more |= {"cycles": own.size, "loss_factor": 2.0 * zeta, "Q": 0.5 / zeta}
-                levels.append(Level(loop.name, X, omega, W, float(friction[own].mean()), more))
+                levels.append(Level(loop.name, X, omega, W, of_friction, more))
         return levels
 
     def shifts(
@@ -258,9 +260,9 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
     stiffness of the contact, mean force, the viscous damper and the spring that would do the same, the `measures`, and
     the way travelled so far. Use it to see running-in, wear and heating.
 
-    F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles; NaN for the first cycle of a
-    record, before which the state of the contact is not known. K_z comes from the residual in the cycle: one step of
-    Gauss and Newton in size and width of the contact. Both are NaN without a fit, and the damper without times.
+    F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles. K_z comes from the residual
+    in the cycle: one step of Gauss and Newton in size and width of the contact. Both are NaN for the first cycle of a
+    record, before which the state of the contact is not known, and without a fit; the damper is NaN without times.
     """
     import pandas as pd  # slow to import
 
@@ -268,7 +270,10 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
     for number, loop in enumerate(found.basis.loops):
         b = loop.by_cycle(loop.v) if loop.timed else math.nan
         x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
-        columns = {"record": loop.name, "cycle": np.arange(loop.cycles) + loop.first}
+        columns: dict[str, Any] = {
+            "record": loop.name,
+            "cycle": np.arange(loop.cycles) + loop.first,
+        }
         columns |= {"X_m": loop.amplitudes, "W_J": loop.lost, "F_k_N": math.nan}
         columns |= {"K_z_N_per_m": math.nan, "mean_force_N": loop.means(loop.f)}
         columns |= {"equivalent_damping_N_s_per_m": loop.lost / b}
@@ -277,13 +282,10 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
         if fit:
             a, _, W = row_of(loop, fit)
             friction = (W - c * np.nan_to_num(b)) / np.where(a > 0.0, a / loop.load, np.nan)
-            unsettled = loop.cycles - loop.settled().cycles
-            friction[:unsettled] = np.nan
-            drift = float(fit.drifts[number])
-            columns |= {
-                "F_k_N": friction,
-                "K_z_N_per_m": fit.values["K_z"] * _stiffer(fit, loop, drift),
-            }
+            stiffness = fit.values["K_z"] * _stiffer(fit, loop, float(fit.drifts[number]))
+            for of in (friction, stiffness):
+                of[: loop.cycles - loop.settled().cycles] = math.nan
+            columns |= {"F_k_N": friction, "K_z_N_per_m": stiffness}
         if loop.N is not None:
             N = loop.means(loop.N)
             columns |= {"normal_force_N": N, "friction_coefficient": columns["F_k_N"] / N}
@@ -432,7 +434,7 @@ def _answer(
 
     def estimate(symbol: str) -> ParameterEstimate:
         value, error = fit.values.get(symbol, math.nan), fit.errors.get(symbol, math.nan)
-        determined = error > 0.0 if symbol == "c" else slips(fit) and value > 0.0
+        determined = slips(fit) and (error > 0.0 if symbol == "c" else value > 0.0)
         half = reach * error
         if not determined or (symbol == "c" and value + half <= 0.0):
             return UNKNOWN

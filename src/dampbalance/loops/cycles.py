@@ -64,8 +64,8 @@ def corners(x: Array, turns: Integers, noise: float) -> Array:
 
 
 def middles(x: Array, turns: Integers) -> Integers:
-    """Return the samples at which cycles begin, and the last one ends, (cycles + 1,): those at which x passes its middle
-    in the direction in which it first does, from rest or not.
+    """Return the samples at which cycles begin, and the last one ends, (cycles + 1,): x passes its middle there in the
+    direction in which it first does, from rest or not.
 
     The middle is that between two reversals; the median of three neighbours follows a mean that drifts, and not an
     amplitude that grows.

@@ -137,20 +137,25 @@ class LoopFit:
 
     @property
     def beyond_noise(self) -> float:
-        """Root mean square of what of the residual is no white noise, N: samples a hundredth of a cycle apart share
-        it."""
+        """Root mean square of what of the residual is certainly no white noise, N: samples a hundredth of a cycle apart
+        share it."""
         design = self.design
         left = design.force - np.concatenate(self.models)
         apart = max(1, left.size // (int(design.cycle.max()) + 1) // _APART)
         same = design.cycle[apart:] == design.cycle[:-apart]
-        return math.sqrt(max(0.0, float(np.mean((left[apart:] * left[:-apart])[same]))))
+        shared = float(np.mean((left[apart:] * left[:-apart])[same]))
+        return math.sqrt(max(0.0, shared - 2.0 * self.rms**2 / math.sqrt(left.size)))
 
     @property
     def wrong_loss(self) -> float:
-        """Difference of the energy that the fit loses in a cycle from that of the loop, on average, over that."""
-        loops = self.design.loops
-        off = [np.abs(lost(loop, self.contact, self.linear) - loop.lost) for loop in loops]
-        return float(np.concatenate(off).sum() / abs(sum(loop.lost.sum() for loop in loops)))
+        """Root mean square of the difference of the energy that the fit loses in a cycle from that of the loop, over
+        the latter, without what white noise makes of it."""
+        noise, loops = self.rms**2 - self.beyond_noise**2, self.design.loops
+        off = [lost(loop, self.contact, self.linear) - loop.lost for loop in loops]
+        chance = noise * sum(float(np.sum(np.gradient(of.x)[of.own] ** 2)) for of in loops)
+        measured = np.concatenate([loop.lost for loop in loops])
+        wrong = float(np.sum(np.concatenate(off) ** 2)) - chance
+        return math.sqrt(max(0.0, wrong) / float(np.sum(measured**2)))
 
     def residual(self, loop: Loop, drift: float) -> Array:
         """Return the residual of any cycles of the record that a loop of the fit is from, to an offset of each, N.
@@ -234,8 +239,7 @@ class Design:
 
     @cached_property
     def with_c(self) -> bool:
-        """Whether the speed between reversals is known, and varies so much, within or between loops, that c is told from
-        friction."""
+        """Whether the speed between reversals is known, and varies so much that c is told from friction."""
         speeds = []
         for loop, own in zip(self.loops, self.inside, strict=True):
             x = loop.x[own] - loop.x[own].mean()

@@ -37,13 +37,10 @@ def loops(
     for loop in loops:
         axes.plot(1e3 * loop.x[loop.own], loop.f[loop.own], ".", color="0.6", markersize=1.5)
     for name in dict.fromkeys(level.name for level in levels):
-        own = [level.more for level in levels if level.name == name]
-        ends = [
-            (f"{end}_displacement", own[::way]) for end, way in (("smallest", -1), ("largest", 1))
-        ]
-        x = [one[f"{key}_m"] for key, some in ends for one in some]
-        f = [one[f"force_at_{key}_N"] for key, some in ends for one in some]
-        axes.plot(1e3 * np.array(x), f, "o-", color=STICK, markersize=3.0, linewidth=0.8)
+        for end in ("smallest_displacement", "largest_displacement"):
+            own = [level.more for level in levels if level.name == name]
+            X, F = ([one[key] for one in own] for key in (f"{end}_m", f"force_at_{end}_N"))
+            axes.plot(1e3 * np.array(X), F, "o-", color=STICK, markersize=3.0, linewidth=0.8)
     axes.lines[0].set_label("measured")
     axes.lines[-1].set_label("backbone")
     N, mm = map(of.unit, ("N", "mm"))
@@ -67,9 +64,9 @@ def measured(table: pd.DataFrame, of: Coordinate) -> Figure:
     """Return W/(4X), the secant stiffness and the equivalent damping ratio of each cycle against its amplitude."""
     figure = page(DOUBLE_COLUMN, 62.0)
     for left, column, size, label in (
-        (16.0, "W_over_4X_N", 1.0, f"$W/(4X)$ ({of.unit('N')})"),
-        (78.0, "secant_stiffness_N_per_m", 1e-3, f"$k_s$ ({of.unit('N/mm')})"),
-        (140.0, "equivalent_damping_ratio", 100.0, "$\\zeta_{eq}$ (%)"),
+        (15.0, "W_over_4X_N", 1.0, f"$W/(4X)$ ({of.unit('N')})"),
+        (74.0, "secant_stiffness_N_per_m", 1e-3, f"$k_s$ ({of.unit('N/mm')})"),
+        (133.0, "equivalent_damping_ratio", 100.0, "$\\zeta_\\mathrm{eq}$ (%)"),
     ):
         axes = place(figure, left, 22.0, 42.0, 36.0)
         records = table.groupby("record", sort=False)
@@ -78,6 +75,7 @@ def measured(table: pd.DataFrame, of: Coordinate) -> Figure:
                 1e3 * own["X_m"], size * own[column], "o", color=colour, markersize=3.0
             )
             dots[0].set_label(Path(str(name)).name)
+        axes.margins(0.06)
         axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
         axes.set(xlim=(0.0, None), ylim=(0.0, None))
         axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
