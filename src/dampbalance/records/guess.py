@@ -217,19 +217,19 @@ class Guesses:
     def axes(self) -> dict[int, str]:
         """The channels of accelerometers and gyroscopes of several axes, x, y and z, and their absolute value: why each
         is not read, or "" for the axis with the most motion, by its standard deviation."""
-        groups: dict[tuple[str | None, ...], dict[str, int]] = {}
+        groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
         for i, raw in enumerate(self.channels):
-            for axis, *others in axis_of(raw.name):
-                groups.setdefault((raw.unit, *others), {})[axis] = i
+            for axis, before, behind in axis_of(raw.name):
+                groups.setdefault((before, behind, raw.unit), {})[axis] = i
         why: dict[int, str] = {}
-        for (unit, *others), group in groups.items():
+        for (before, behind, unit), group in groups.items():
             own, held = [*group.values()], [self.values[i] for i in group.values()]
             named = by_unit(self.channels[own[0]]) or quantity_of(self.channels[own[0]])
             if not named or len(own) < 2 or not all(of.size for of in held):
                 continue
             spread = [float(np.nanstd(of)) for of in held]
             most = int(np.argmax(spread))
-            if len(own) == 2 and not (any(others) and self._dies(own[most])):
+            if len(own) == 2 and not (before + behind and self._dies(own[most])):
                 continue  # x and y in mm are the mass and the base
             other = f"an axis that moves less than {shortened(self.channels[own[most]].name)}"
             why |= dict.fromkeys(own, other) | {own[most]: ""}
@@ -681,6 +681,30 @@ def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
         return bool(rules.table)
     held = {column_of(raw) for raw in file.channels}
     return {"frequency", "phase"} <= held and not any(map(names_time, file.channels))
+
+
+def runs_of(file: Table) -> list[Table]:
+    """Return a table for each run of a file that has several side by side: blocks of columns with the same names, each
+    with its times first; the file itself where it has not."""
+    held = [i for i, raw in enumerate(file.channels) if raw.label]  # an empty column has no name
+    times = [n for n, i in enumerate(held) if names_time(file.channels[i])]
+    blocks = [held[a:b] for a, b in itertools.pairwise([*times, len(held)])]
+    names = [
+        [(key_of(raw.name), raw.unit) for i in of for raw in [file.channels[i]]] for of in blocks
+    ]
+    if len(blocks) < 2 or times[0] or len(names[0]) < 2 or any(of != names[0] for of in names):
+        return [file]
+
+    def part(block: list[int]) -> Table:
+        channels = [file.channels[i] for i in block]
+        return replace(
+            file,
+            channels=channels,
+            load=lambda wanted: [file.columns([block[i]])[block[i]] for i in wanted],
+            loaded={},
+        )
+
+    return [part(block) for block in blocks]
 
 
 def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None = None) -> str:
