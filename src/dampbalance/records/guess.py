@@ -25,6 +25,7 @@ from .channel import ABSOLUTE, EXCITATIONS, ORDERS, QUANTITIES, RESPONSES, requi
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
+    AXES,
     STANDARD_ERROR,
     TURNING,
     WORDS,
@@ -275,6 +276,12 @@ class Guesses:
             return Guess("", other)
         whole, part = quantity_of(raw), quantity_of(raw, all_words=False)
         named = whole or part or ""
+        if (
+            unit in ABSOLUTE
+            and self._words(i) <= AXES
+            and DIMENSIONS[unit] != DIMENSIONS.get(named)
+        ):
+            return Guess(unit, BY_UNIT)  # along x, y or z
         if named and unit and DIMENSIONS[unit] != DIMENSIONS[named]:
             return Guess("", f"its name says {named}, its unit {unit}", may=(unit,))
         if named:
@@ -343,7 +350,7 @@ class Guesses:
         self, found: dict[int, Guess], columns: Iterable[int], drives: Sequence[int] = ()
     ) -> None:
         """Ask what columns hold: what their names or units leave open.   drives : columns that are known to drive."""
-        for i in columns:
+        for i in [i for i in columns if not found[i].may]:
             of = found[i].quantity
             may = (of,) if of else tuple(EXCITATIONS | ABSOLUTE)
             if (base := f"base_{of}") in EXCITATIONS:
@@ -509,18 +516,24 @@ class Guesses:
         if not held.keys() & {*RESPONSES} and not asked:
             yield f"finds no response: name one of {', '.join(ABSOLUTE)}; its columns are {self.overview}."
         if asked:
-            names = listed([self.names[i] for i in asked[:LISTED]])
             may = listed([*dict.fromkeys(q for i in asked for q in self.all[i].may)], "or")
+            why = [self.all[i].reason for i in asked if self.all[i].reason not in _LEVELS]
             free = "" if self.mapping.free else " If it is a free decay, give --kind ring-down."
             verb = "do the columns" if len(asked) > 1 else "does the column"
-            yield f"what {verb} {names} hold: {may}?{free}"
+            names = listed([self.names[i] for i in asked[:LISTED]])
+            because = f" ({'; '.join(why)})" if why else ""
+            yield f"what {verb} {names} hold: {may}?{free}{because}"
         self.require_one_coordinate([*held.values()])
+        if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
+            yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
         for quantity, i in held.items():
             if problem := self._of_unit(i, self._coordinate(i).key(quantity)):
                 yield problem
         if self.mapping.sample_rate_hz is None and held:
-            times = {self.time_of(i) for i in held.values() if self.channels[i].rate_hz is None}
-            for time in times:
+            untimed = [i for i in held.values() if self.channels[i].rate_hz is None]
+            for i, time in {i: self.time_of(i) for i in untimed}.items():
+                if time is None and (fault := self.channels[i].fault):
+                    raise RecordError(fault)
                 if time is None:
                     yield "at which rate was it sampled? No channel is called time or t, and the file gives none"
                 elif problem := self._of_unit(time, "time"):
@@ -528,8 +541,7 @@ class Guesses:
 
     def _of_unit(self, i: int, quantity: str) -> str:
         """Return what is to be said of the unit of a column; "" for nothing."""
-        text = self.unit_of_time(i) if quantity == "time" else self.all[i].unit
-        if not text:
+        if (text := self.unit_of_time(i) if quantity == "time" else self.all[i].unit) is None:
             return f"in which unit is {self.names[i]}?"
         try:
             unit_for(text, quantity)
@@ -620,7 +632,10 @@ class Guesses:
             return f", unit: {text}", ""
         if find_other(text):
             return f', unit: {si}, scale: "{BLANK}"', f"; recorded in {text}: {si} per {text}"
-        return f', unit: "{BLANK}"', f"; {text or 'no'} unit in the file"
+        if quantity == "phase" and not text and (values := self.values[i]).size:
+            unit = "rad" if np.nanmax(np.abs(values)) <= _TURNS else "deg"
+            return f", unit: {unit}", "; by its size, the file has no unit"
+        return f', unit: "{BLANK}"', f"; recorded in {text}" if text else "; the file has no unit"
 
     def _time(self) -> list[str]:
         """Return the line about times, if one is needed."""
@@ -661,7 +676,7 @@ class Guesses:
     def unclear(self, what: str) -> RecordError:
         """Return the error for a file that something must be said of: what it is, and the mapping to write."""
         if self.stepped:
-            what = _RESPONSE if self._is_response() else what
+            what = f"{_RESPONSE} ({what})" if self._is_response() else what
             what += f"; a table has a frequency, a drive, a response and a phase. Its columns are {self.overview}."
         return RecordError(f"{self.path}: {what} {self.proposed('Say it')}")
 

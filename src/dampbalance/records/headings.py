@@ -52,6 +52,9 @@ WORDS_OF_TABLES = {
 STANDARD_ERROR = "_standard_error"
 """What the name of a quantity ends in, for the column of a table that holds its standard error."""
 
+AXES = {"x", "y", "z"}
+"""Letters that are directions, beside another word or a unit that is no displacement's."""
+
 TURNING = "angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel"
 """Words of an angle, which may have no unit."""
 
@@ -60,11 +63,8 @@ TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
 
 _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words.split()}
 # words that suffice for a guess alone
-_HINTS = {"reference": "base"} | dict.fromkeys(
-    ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
-)
+_HINTS = dict.fromkeys(("hammer", "load", "friction", "reibung", "reibkraft"), "force")
 _NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
-_AXES = {"x", "y", "z"}  # beside another word
 _PASSED_OVER = "angular"  # the unit shows that a velocity is angular
 _BODIES = ("base", "mass", "relative")
 _OF_AMPLITUDES = {
@@ -169,7 +169,7 @@ def quantity_of(
     if {*words} & {*_NORMAL} and by_unit(raw) == "force":
         return "normal_force"
     words = [word for word in words if word != _PASSED_OVER and not word.isdigit()] or words
-    rest = [word for word in words if word not in _AXES]  # an axis beside a quantity
+    rest = [word for word in words if word not in AXES]  # an axis beside a quantity
     words = rest if {meanings.get(word) for word in rest} & DIMENSIONS.keys() else words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):

@@ -27,7 +27,7 @@ def aside(values: Array) -> str:
     """Say why a column is no motion; "" for one that moves."""
     finite = values[np.isfinite(values)]
     if not finite.size:
-        return "it is empty"
+        return "it is empty" if values.size else "it does not hold numbers"
     if not np.ptp(finite):
         return f"constant, {finite[0]:g}"
     if (step := equal_step(finite)) is not None:
