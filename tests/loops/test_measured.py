@@ -78,6 +78,38 @@ def test_without_times_nothing_has_a_time(tmp_path):
     found.save(tmp_path / "out")
 
 
+@pytest.mark.parametrize(
+    ("swapped", "head"), [(False, ""), (True, ""), (False, "displacement,force")]
+)
+def test_two_columns_without_units_are_asked_for_these_and_nothing_else(tmp_path, swapped, head):
+    """No head: the column that lies ahead of the other one is the force, by the area of the loop."""
+    force = loop(c=0.0).f
+    first, second = (force, SINE) if swapped else (SINE, force)
+    file = tmp_path / "loops.csv"
+    columns = np.column_stack([first, second])
+    np.savetxt(file, columns, delimiter=",", header=head, comments="")
+    with pytest.raises(ValueError, match="in which units are") as refused:
+        identify(file)
+    draft = str(refused.value)
+    assert not [word for word in ("sample_rate", "unit: m", "unit: N") if word in draft]
+    lines = dict(line.strip().split(": ", 1) for line in draft.splitlines() if "{channel" in line)
+    for quantity, unit, at in (("displacement", "m", swapped), ("force", "N", not swapped)):
+        assert (f"column {1 + at}" if not head else quantity) in lines[quantity]
+        draft = draft.replace(lines[quantity], lines[quantity].replace("?", unit))
+    (tmp_path / "loops.csv.yaml").write_text(
+        draft[draft.index("channels:") :].replace("\n  ", "\n")
+    )
+    assert identify(file).values["F_k"] == pytest.approx(F_K, rel=0.01)
+
+
+def test_two_columns_that_do_not_go_round_are_no_loop(tmp_path):
+    file = tmp_path / "records.csv"
+    columns = np.column_stack([SINE, np.sin(5.1 * np.pi * T)])
+    np.savetxt(file, columns, delimiter=",")
+    with pytest.raises(ValueError, match="what do the columns"):
+        identify(file)
+
+
 def test_times_are_asked_for_where_a_motion_needs_them(tmp_path):
     file = written(tmp_path, SINE, loop().f)
     with pytest.raises(ValueError, match="has no times, which forced records need"):
