@@ -1,4 +1,5 @@
-"""The contact from measured loops of force against displacement: answer, history, and rows of the balance.
+"""The contact from measured loops of force against displacement: what is measured of each cycle and level, answer,
+and rows of the balance.
 
 A cycle is a row of the balance, ∮ f dx = a F_k + b c with a = 4(X − Z_m) and b = ∮ ẋ² dt; the shape of the loop gives
 K_z. There is no oscillator: neither mass nor the stiffness of a spring is needed.
@@ -150,12 +151,8 @@ class LoopBasis:
             "friction_coefficient_interval": interval,
             "history": history(found).to_dict("list"),
             "records": [
-                {
-                    "record": loop.name,
-                    "cycles": loop.cycles,
-                    "force_sign_changed": loop.flipped,
-                    "timed": loop.timed,
-                }
+                {"record": loop.name, "cycles": loop.cycles, "timed": loop.timed}
+                | {"force_sign_changed": loop.flipped}
                 for loop in self.loops
             ],
         }
@@ -204,16 +201,14 @@ class LoopBasis:
         return shifts
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
-        """Return force over displacement with the model and the backbone, what is measured of each cycle and the loss
-        against the amplitude, and, with a fit, the history of the cycles."""
+        """Return force over displacement with the model and the backbone, loss and stiffness against the amplitude,
+        and, with a fit, the history of the cycles."""
         from . import pictures as drawn  # slow to import
 
         fit, cycles = self.fits.get(found.answer.name), history(found)
-        backbone = found.levels
         shown = {
-            "loops": Picture(drawn.loops, (self.loops, fit, backbone)),
-            "measured": Picture(drawn.measured, (cycles,)),
-            "loss": Picture(drawn.loss, (self.loops, fit)),
+            "loops": Picture(drawn.loops, (self.loops, fit, found.levels)),
+            "loss": Picture(drawn.loss, (self.loops, fit, cycles)),
         }
         return shown | ({"history": Picture(drawn.history, (cycles,))} if fit else {})
 
@@ -272,7 +267,7 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
         x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
         columns: dict[str, Any] = {
             "record": loop.name,
-            "cycle": np.arange(loop.cycles) + loop.first,
+            "cycle": loop.first + np.arange(loop.cycles),
         }
         columns |= {"X_m": loop.amplitudes, "W_J": loop.lost, "F_k_N": math.nan}
         columns |= {"K_z_N_per_m": math.nan, "mean_force_N": loop.means(loop.f)}
@@ -313,9 +308,11 @@ def identify_loops(
     **options: Unpack[LoopOptions],
 ) -> Result[LoopBasis]:
     """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement: a record of five
-    cycles or more of any periodic motion, or several at other amplitudes and speeds.
+    cycles or more of any periodic motion, or several at other amplitudes and speeds. Of fewer cycles, and whether a
+    contact fits or not, `levels` has loss, secant stiffness, damping and backbone of each amplitude.
 
-    records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact.
+    records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact;
+    without times, c is not determined.
     stiffness : leave it out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
     {options}
@@ -323,7 +320,7 @@ def identify_loops(
     Records with a channel normal_force each share one μ, and F_k is that at their mean normal force.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a record
-    without force or displacement, of fewer than five cycles, a stiffness or a mass.
+    without force or displacement, or without a complete cycle, a stiffness or a mass.
 
     >>> import numpy as np
     >>> from dampbalance.loops import identify_loops
@@ -356,7 +353,7 @@ def identify_loops(
         k=math.nan,
         sources=tuple(record.name for record in read),
         estimates=answers or {"one slider": _unfitted(loops)},
-        odd=(*odd, *_flipped(loops), *(_warned(first) if first else ())),
+        odd=(*odd, *_warned(loops, first)),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
             f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
@@ -485,15 +482,11 @@ def _answer(
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
-def _flipped(loops: Sequence[Loop]) -> Iterator[Finding]:
-    """Yield a finding on the sign of the force."""
+def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
+    """Yield findings on the sign of the force, and on what no contact of the model explains."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
         yield Finding("flipped", {"records": listed(flipped)})
-
-
-def _warned(fit: LoopFit) -> Iterator[Finding]:
-    """Yield findings on what no contact of the model explains."""
-    if not slips(fit):
+    if not (fit and slips(fit)):
         return
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
     fall, shift = fall_with_speed(fit) if many and fit.design.timed else (0.0, 0.0)

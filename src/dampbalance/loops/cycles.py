@@ -70,22 +70,19 @@ def middles(x: Array, turns: Integers) -> Integers:
     The middle is that between two reversals; the median of three neighbours follows a mean that drifts, and not an
     amplitude that grows.
     """
+    from scipy.ndimage import median_filter  # slow to import
+
     if turns.size < 2:
         return turns[:0]
-    half = 0.5 * (x[turns[1:]] + x[turns[:-1]])
-    around = np.median([np.append(half[1:], half[-1]), half, np.append(half[0], half[:-1])], axis=0)
     low, high = np.sort([x[turns[1:]], x[turns[:-1]]], axis=0)
-    around = np.where((around > low) & (around < high), around, half)
-    ways, passes = np.sign(x[turns] - np.append(around, around[-1])), list[int]()
-    to_first, from_last = np.arange(turns[0], -1, -1), np.arange(turns[-1], x.size)
+    middle = np.clip(median_filter(0.5 * (low + high), 3, mode="nearest"), low, high)
     between = [np.arange(*of) for of in itertools.pairwise(turns.tolist())]
-    middle = around[[0, *range(half.size), -1]]
-    for path, way, level in zip(
-        [to_first, *between, from_last], ways[[0, *range(turns.size)]], middle, strict=True
-    ):
-        ahead = way * (x[path] - level)
+    paths = [np.arange(turns[0], -1, -1), *between, np.arange(turns[-1], x.size)]
+    passes = list[int]()
+    for path, level in zip(paths, middle[[0, *range(middle.size), -1]], strict=True):
+        ahead = np.sign(x[path[0]] - level) * (x[path] - level)
         nearest = float(ahead.min())
-        if nearest < _NEAR_MIDDLE * ahead[0]:
+        if nearest <= _NEAR_MIDDLE * ahead[0]:
             passes.append(int(path[np.argmax(ahead <= max(nearest, 0.0))]))
     return np.array(passes[::2], dtype=int)
 

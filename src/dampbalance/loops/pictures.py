@@ -1,5 +1,5 @@
-"""Pictures of measured loops: force against displacement with the contact fitted and the backbone, what is measured of
-each cycle, loss, and history of the cycles."""
+"""Pictures of measured loops: force against displacement with the contact fitted and the backbone, loss and stiffness
+over the amplitude, and history of the cycles."""
 
 from __future__ import annotations
 
@@ -60,49 +60,34 @@ def loops(
 
 
 @styled()
-def measured(table: pd.DataFrame, of: Coordinate) -> Figure:
-    """Return W/(4X), the secant stiffness and the equivalent damping ratio of each cycle against its amplitude."""
+def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Coordinate) -> Figure:
+    """Return W/(4X), the secant stiffness and the equivalent damping ratio of each cycle against its amplitude (dots);
+    and W/(4X) of the contact fitted, if any, with its band of 95 %, for a motion like that of each record.
+
+    table : the history of the cycles.
+    """
     figure = page(DOUBLE_COLUMN, 62.0)
+    X = np.linspace(0.0, 1.1 * float(table["X_m"].max()), 40)[1:]
     for left, column, size, label in (
         (15.0, "W_over_4X_N", 1.0, f"$W/(4X)$ ({of.unit('N')})"),
         (74.0, "secant_stiffness_N_per_m", 1e-3, f"$k_s$ ({of.unit('N/mm')})"),
         (133.0, "equivalent_damping_ratio", 100.0, "$\\zeta_\\mathrm{eq}$ (%)"),
     ):
         axes = place(figure, left, 22.0, 42.0, 36.0)
-        records = table.groupby("record", sort=False)
-        for (name, own), colour in zip(records, itertools.cycle(_COLOURS)):
-            dots = axes.plot(
-                1e3 * own["X_m"], size * own[column], "o", color=colour, markersize=3.0
-            )
-            dots[0].set_label(Path(str(name)).name)
+        for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
+            own = table[table["record"] == loop.name]
+            name = Path(loop.name).name
+            axes.plot(1e3 * own["X_m"], size * own[column], "o", color=colour, ms=3.0, label=name)
+            if fit and column == "W_over_4X_N":
+                W, error = fit.loss(loop, X)
+                reach = float(student.ppf(0.975, fit.freedom)) * error
+                axes.plot(1e3 * X, W / (4.0 * X), color=colour)
+                band = (W - reach) / (4.0 * X), (W + reach) / (4.0 * X)
+                axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
         axes.margins(0.06)
         axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
         axes.set(xlim=(0.0, None), ylim=(0.0, None))
         axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
-    return explained(figure, [(axes, axes)], scale=1.0)
-
-
-@styled()
-def loss(loops: Sequence[Loop], fit: LoopFit | None, of: Coordinate) -> Figure:
-    """Return the energy lost per cycle against the amplitude: each cycle (dots), and the contact fitted, if any, with
-    its band of 95 %, for a motion like that of each record."""
-    figure = page(DOUBLE_COLUMN, 82.0)
-    axes = place(figure, 22.0, 20.0, 150.0, 56.0)
-    X = np.linspace(0.0, 1.1 * max(float(loop.amplitudes.max()) for loop in loops), 40)[1:]
-    size, unit = (1.0, "J") if loops[0].lost.mean() > 1.0 else (1e3, "mJ")
-    for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
-        dots = axes.plot(1e3 * loop.amplitudes, size * loop.lost, "o", color=colour, markersize=3.0)
-        dots[0].set_label(Path(loop.name).name)
-        if fit:
-            reach = float(student.ppf(0.975, fit.freedom))
-            W, error = fit.loss(loop, X)
-            axes.plot(1e3 * X, size * W, color=colour)
-            band = size * (W - reach * error), size * (W + reach * error)
-            axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
-    axes.set(
-        xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=f"energy lost per cycle, $W$ ({unit})"
-    )
-    axes.set(xlim=(0.0, None), ylim=(0.0, None))
     return explained(figure, [(axes, axes)], scale=1.0)
 
 
