@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 _ROUNDING = 1e-12
 _SKEW = 0.1  # of the half width, by which a value may lie off the middle of an interval that is shown as ±
 _LEVELS = 12  # of loops that a screen has room for
+_CAPTIONS = {"loops": "loops measured"}  # kind of records → finding that says what the columns are
 _CAUSES = 3  # of doubt that a screen has room for
 
 
@@ -158,7 +159,7 @@ def measured_table(found: Result[Any], most: int | None = None) -> list[list[str
 
 def measured_caption(found: Result[Any]) -> str:
     """Return a sentence on the columns of that table."""
-    return sentence(worded(Finding(f"{found.basis.kind} measured"), found.coordinate))
+    return sentence(worded(Finding(_CAPTIONS[found.basis.kind]), found.coordinate))
 
 
 def _cell(value: float | int, unit: str) -> str:

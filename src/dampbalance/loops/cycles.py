@@ -157,7 +157,7 @@ class Loop:
             cycle = np.where(cycle < 0, -1, np.searchsorted(left, cycle))
         smoothed = x, corners(x, turns, noise), np.asarray(v)
         loop = cls(name, t, *smoothed, f, cycle, timed=timed, first=skipped + 1)
-        lost = loop.lost
+        lost = loop.lost / loop.amplitudes
         scatter = lost.std(ddof=1) / math.sqrt(lost.size) if lost.size > 1 else 0.0
         gains = lost.mean() < -_CERTAIN * scatter
         return replace(loop, f=-f, flipped=True) if gains else loop

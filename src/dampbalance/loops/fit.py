@@ -152,7 +152,7 @@ class LoopFit:
         the latter, without what white noise makes of it."""
         noise, loops = self.rms**2 - self.beyond_noise**2, self.design.loops
         off = [lost(loop, self.contact, self.linear) - loop.lost for loop in loops]
-        chance = noise * sum(float(np.sum(np.gradient(of.x)[of.own] ** 2)) for of in loops)
+        chance = noise * math.fsum(np.sum(np.gradient(of.x)[of.own] ** 2) for of in loops)
         measured = np.concatenate([loop.lost for loop in loops])
         wrong = float(np.sum(np.concatenate(off) ** 2)) - chance
         return math.sqrt(max(0.0, wrong) / float(np.sum(measured**2)))
