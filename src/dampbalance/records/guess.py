@@ -172,7 +172,7 @@ class Guesses:
         named = [i for i, raw in enumerate(self.channels) if names_time(raw)]
         named = named or [i for i, raw in enumerate(self.channels) if holds_time(raw)]
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
-        if named or known or any(raw.rate_hz for raw in self.channels):
+        if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
             return named
         others = [i for i, raw in enumerate(self.channels) if quantity_of(raw) is None]
         rising = [i for i in others if samples.equal_step(self.values[i]) is not None]
@@ -319,6 +319,7 @@ class Guesses:
             quantity = by_unit(self.channels[i]) or quantity_of(self.channels[i]) or ""
             found[i] = Guess("", why) if why else Guess(quantity, _BY_NAME)
         level = {i: _LEVELS.index(of.reason) for i, of in found.items() if of.reason in _LEVELS}
+        level = {i: at for i, at in level.items() if found[i].quantity not in ACCOMPANYING}
         still = {i: why for i in level if (why := samples.aside(self.values[i]))}
         moving = [i for i in level if i not in still]
         answered = any(found[i].quantity in RESPONSES for i in moving)
@@ -562,7 +563,7 @@ class Guesses:
                 if time is None and (fault := self.channels[i].fault):
                     raise RecordError(fault)
                 if time is None and not loop:
-                    yield "at which rate was it sampled? No channel is called time or t, and the file gives none"
+                    yield "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
                 elif time is not None and (problem := self._of_unit(time, "time")):
                     yield problem
 
@@ -586,7 +587,8 @@ class Guesses:
     def _is_response(self) -> bool:
         """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
         named = [column_of(raw) for raw in self.channels]
-        if any(map(names_time, self.channels)) or {*named} & {*_DRIVES, *PER_FORCE}:
+        driven = {*named} & {*_DRIVES} or self.mapping.force_N
+        if any(map(names_time, self.channels)) or driven:
             return False
         held = {i: of[np.isfinite(of)] for i, of in self.values.items()}
         even = [i for i, of in held.items() if of.size and samples.equal_step(of) is not None]
@@ -597,6 +599,8 @@ class Guesses:
             if of.size > 2 and np.abs(of).max() <= _HALF_TURN and np.ptp(of) > 0.5 * _HALF_TURN
         ]
         frequency = "frequency" in named or (rising and len(held) > 2)
+        if self.per_force:  # or a stepped sine at a force that is to be stated
+            frequency = "frequency" in named and named.index("frequency") in even
         return bool(frequency and ("phase" in named or [i for i in phases if i not in even]))
 
     def lines(self) -> list[str]:
@@ -706,7 +710,8 @@ class Guesses:
         if self.stepped:
             what = f"{_RESPONSE} ({what})" if self._is_response() else what
             what += f"; a table has a frequency, a drive, a response and a phase. Its columns are {self.overview}."
-        return RecordError(f"{self.path}: {what} {self.proposed('Say it')}")
+        draft = "" if what.startswith(_RESPONSE) else f" {self.proposed('Say it')}"
+        return RecordError(f"{self.path}: {what}{draft}")
 
 
 def _near(factor: float, dimension: str) -> str:

@@ -84,8 +84,9 @@ def dies_out(values: Array) -> bool:
     finite = values[np.isfinite(values)]
     if finite.size < _ENOUGH:
         return False
+    turns = np.count_nonzero(np.diff(finite > np.median(finite)))
     ranges = [float(np.ptp(part)) for part in np.array_split(finite, _PARTS)]
-    return ranges[-1] < _DIED * max(ranges)
+    return turns >= _PARTS and ranges[-1] < _DIED * max(ranges)
 
 
 def slope(values: Array, other: Array, dt: float, order: int = 1) -> float | None:
