@@ -133,7 +133,8 @@ def identify(
 
 
 def _is_loop(record: Record) -> bool:
-    """Return whether a record holds a force and a displacement or velocity that keep moving, and nothing else but a
-    normal force."""
+    """Return whether a record holds a force and a displacement or velocity, or both, that keep moving, and nothing else
+    but a normal force."""
     moving = {*record.quantities} - {*ACCOMPANYING, "force"}
-    return moving in ({"displacement"}, {"velocity"}) and keeps_moving(record)
+    known = "force" in record.quantities and moving <= {"displacement", "velocity"}
+    return bool(known and moving) and keeps_moving(record)

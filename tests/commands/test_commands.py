@@ -14,6 +14,7 @@ from urllib.request import url2pathname
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 
 from dampbalance import identify, read_records
 from dampbalance.commands.identify import ARGUMENTS
@@ -25,6 +26,7 @@ from dampbalance.records.readers import read
 from folders import ROOT
 from paper_case import PAPER
 from processes import output_of
+from records.drafts import filled
 
 EXAMPLE = ROOT / "config/records/example"
 RECORDS = sorted(str(path) for path in EXAMPLE.glob("level*.csv"))
@@ -454,6 +456,12 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
     shown, written = capsys.readouterr().out, mapping.read_text(encoding="utf-8")
     assert shown.startswith(f"{written}\nWritten to {mapping}. ")
     assert shown.endswith("give the same command without --write-mapping.\n")
+    assert "is a blank" in answer(*command, code=2)
+    columns = dict(
+        zip(("base_displacement", "acceleration"), ("Channel A", "Channel B"), strict=True)
+    )
+    said = filled(yaml.safe_load(written), columns, units={"displacement": "m"})
+    mapping.write_text(yaml.safe_dump(said), encoding="utf-8")
     assert code_of(*command) == 0
     capsys.readouterr()
     # never what a user has, unless asked to

@@ -18,6 +18,7 @@ from scipy.io import savemat
 from dampbalance import RecordError, read_records
 from dampbalance.joints.records import SteppedRecord
 from dampbalance.records.readers import mapping_to_start_from
+from records.drafts import filled, shown
 from records.workbooks import row, xlsx
 
 M, C, K = 2.0, 10.0, 5000.0
@@ -341,11 +342,13 @@ def test_the_draft_of_a_mapping_reads_the_table(tmp_path, names):
         columns = {name: of[: HZ.size] for name, of in columns.items()}
     path = written(tmp_path / "a.csv", {names.get(name, name): of for name, of in columns.items()})
     draft = yaml.safe_load(mapping_to_start_from(path, stepped=True))
-    require_truth(levels_of(path, mapping=draft), FORCES[: columns["level"][-1].astype(int)])
+    named = {"displacement": "probe 1", "frequency": "a", "force": "b", "phase": "d"}
+    mapping = filled(draft, named, units={"frequency": "Hz"})
+    require_truth(levels_of(path, mapping=mapping), FORCES[: columns["level"][-1].astype(int)])
     if set(names.values()) & {"Load cell [N]", "probe 1 [mm]", "phase"}:
         with pytest.raises(RecordError) as refused:
             levels_of(path)
-        assert yaml.safe_load(str(refused.value).partition(", for example\n")[2]) == draft
+        assert shown(refused.value) == draft
 
 
 def test_the_draft_of_a_mapping_names_matrices_and_groups_once(tmp_path):

@@ -101,7 +101,8 @@ def test_the_history_follows_a_friction_force_that_falls():
     fall = 1.0 - 0.2 * T / T[-1]
     worn["force_N"] = worn["force_N"] * fall
     F = history(identify_loops(worn))["F_k_N"]
-    assert F.iloc[-1] / F.iloc[0] == pytest.approx(0.81 / 0.985, rel=0.02)  # middles of the cycles
+    assert math.isnan(F.iloc[0])  # what the contact held before is not known
+    assert F.iloc[-1] / F.iloc[1] == pytest.approx(0.815 / 0.985, rel=0.02)  # middles of the cycles
 
 
 def test_another_shape_is_doubtful_and_not_silent():
@@ -187,7 +188,7 @@ def test_the_history_follows_a_stiffness_that_falls():
     found = identify_loops({"time_s": T, "displacement_m": SINE, "force_N": np.array(force)})
     K = history(found)["K_z_N_per_m"].to_numpy()
     # one step of Gauss and Newton from the mean: second order in ±10 %
-    assert np.median(K[-5:]) / np.median(K[:5]) == pytest.approx(0.8, abs=0.02)
+    assert np.median(K[-5:]) / np.median(K[1:6]) == pytest.approx(0.8, abs=0.02)
 
 
 def test_report_and_pictures_are_written(tmp_path):
@@ -214,18 +215,13 @@ def test_measured_loops_agree_with_readings_by_hand():
     assert damper.verdicts["F_k"].verdict == "doubtful"
 
 
-def test_the_history_has_no_friction_for_a_cycle_between_two_levels():
+def test_the_friction_of_each_cycle_is_that_of_both_levels():
     t = np.arange(0.0, 40.0, 0.005)
     x = np.where(t < 20.0, 0.0005, 0.0015) * np.sin(np.pi * t)
-    z, K_z, F_k = 0.0, 2e5, 12.0
-    f = []
-    for step in np.diff(x, prepend=0.0):
-        z = min(max(z + step, -F_k / K_z), F_k / K_z)
-        f.append(K_z * z)
-    cycles = history(identify_loops({"time_s": t, "displacement_m": x, "force_N": np.array(f)}))
-    known = cycles["F_k_N"].dropna()
-    assert cycles["F_k_N"].isna().sum() == 1  # where the level steps
-    np.testing.assert_allclose(known, F_k, rtol=0.01)  # samples do not meet the reversals
+    force = 2e5 * stepped(x, 6e-5)
+    cycles = history(identify_loops({"time_s": t, "displacement_m": x, "force_N": force}))
+    np.testing.assert_allclose(cycles["F_k_N"][1:], 12.0, rtol=0.01)  # samples miss the reversals
+    assert cycles["F_k_N"].isna().sum() == 1
 
 
 def through(channel, signal):
@@ -397,12 +393,12 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     assert loop.own.size == pytest.approx(4000, rel=0.25)
     assert (np.diff(loop.t) > 0.0).all()
     np.testing.assert_allclose(loop.amplitudes, X, rtol=2e-3)
-    assert len(history(found)) == found.basis.loops[0].cycles == 198
+    assert len(history(found)) == found.basis.loops[0].cycles == 199
     for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
         # five standard errors; the corner between samples makes 0.1 %
         assert abs(found.values[symbol] - true) < 5.0 * found.standard_errors[symbol] + 1e-3 * true
-    assert "is fitted to 48 of the 198 cycles" in found.text()
-    np.testing.assert_allclose(history(found)["F_k_N"], F_K, rtol=0.02)
+    assert "is fitted to 48 of the 199 cycles" in found.text()
+    np.testing.assert_allclose(history(found)["F_k_N"][1:], F_K, rtol=0.02)
 
 
 def test_means_of_cycles_are_those_of_their_samples():

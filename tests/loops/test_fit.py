@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance.loops.cycles import Loop, corners, turning_points
+from dampbalance.loops.cycles import Loop, corners, middles, turning_points
 from dampbalance.loops.fit import (
     Design,
     Slider,
@@ -160,6 +160,18 @@ def test_a_contact_that_only_sticks_has_no_friction_force():
     assert not slips(fitted(loop(0.15 * SINE, noise=1e-3)))
 
 
-def test_too_few_cycles_are_refused():
-    with pytest.raises(ValueError, match="makes 2 cycles between reversals, and 5 are needed"):
-        Loop.of("short", T[:1750], SINE[:1750], SINE[:1750])
+def test_a_motion_without_a_complete_cycle_is_refused():
+    with pytest.raises(ValueError, match=r"makes 0 complete cycles, .* and 1 are needed"):
+        Loop.of("short", T[:450], SINE[:450], SINE[:450])
+
+
+def test_cycles_begin_in_the_middle_after_rest_and_follow_a_mean_that_drifts():
+    """To half a sample; an amplitude that grows moves no middle."""
+    rest, grown = np.zeros(700), np.repeat([0.3, 0.6, 1.0, 1.0], 500) * SINE[:2000]
+    for x, first in ((grown, 0), (np.concatenate([rest, grown, rest]), 699), (-grown, 0)):
+        np.testing.assert_allclose(
+            middles(x, turning_points(x, 0.08 * X)), first + 500 * np.arange(5), atol=2
+        )
+    drifting = SINE + 0.1 * X * T
+    begins = middles(drifting, turning_points(drifting, 0.08 * X))
+    assert np.abs(begins[:20] - 500 * np.arange(20)).max() < 10

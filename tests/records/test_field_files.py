@@ -17,6 +17,7 @@ from dampbalance import read_records
 from dampbalance.records.coordinate import ROTATION
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read, table
+from records.drafts import UNITS, filled, shown
 from records.formats import uff_set, write_uff
 from records.workbooks import row, xlsx
 
@@ -43,14 +44,16 @@ def same(measurement, **signals):
         np.testing.assert_allclose(channel.t - channel.t[0], T - T[0], rtol=0, atol=1e-9)
 
 
-def proposed(path, match):
-    """The measurement of a file that is refused with that message, read by the mapping proposed in it as it stands."""
+def proposed(path, match, **columns):
+    """The measurement of a file that is refused with that message, read by the mapping proposed in it with its blanks
+    filled in: what columns hold."""
     with pytest.raises(RecordError, match=match) as refused:
         read(path)
-    lines = str(refused.value).partition(", for example\n")[2]
-    shown = yaml.safe_load(lines)
-    assert shown == yaml.safe_load(mapping_to_start_from(path))
-    return read(path, shown)
+    draft = shown(refused.value)
+    assert draft == yaml.safe_load(mapping_to_start_from(path))
+    units = UNITS | {"acceleration": "g"}
+    rate = {"sample_rate_hz": RATE} if draft.get("sample_rate_hz") == "?" else {}
+    return read(path, filled(draft, columns, units=units, **rate))
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
@@ -83,7 +86,10 @@ def test_an_oscilloscope_of_one_channel_that_shows_the_unit(tmp_path):
 
 def test_an_oscilloscope_in_volts_is_refused_with_a_mapping_that_reads_it(tmp_path):
     path = oscilloscope(tmp_path, ["V", "V"], ["CH1", "CH2"], [T - 0.5, Y, A])
-    same(proposed(path, "in V"), base_displacement=1e-3 * Y, displacement=1e-3 * A)
+    measurement = proposed(
+        path, "'CH1 .V.' and 'CH2 .V.' hold", base_displacement="CH1", displacement="CH2"
+    )
+    same(measurement, base_displacement=Y, displacement=A)  # 1 m/V
 
 
 AXES = {
@@ -103,7 +109,7 @@ def test_of_the_axes_of_a_phone_that_with_the_most_motion_is_read(tmp_path, head
     total = np.sqrt(axes[0] ** 2 + axes[1] ** 2 + axes[2] ** 2)
     head = [",".join(f'"{name}"' for name in headings)]
     path = write(tmp_path / "run.csv", head, [T, *axes, total])
-    with pytest.warns(RecordWarning, match=r"the axis with the most motion"):
+    with pytest.warns(RecordWarning, match=r"an axis that moves less than"):
         measurement = read(path)
     unit = G if "[g]" in headings[1] else 1.0
     same(measurement, acceleration=unit * A)
@@ -151,7 +157,9 @@ STRUCTS = {
 def test_a_matlab_struct_of_times_and_a_matrix(tmp_path, held):
     path = tmp_path / "run.mat"
     scipy.io.savemat(path, held)
-    same(proposed(path, "finds no excitation"), base_displacement=1e-3 * Y, displacement=1e-3 * A)
+    one, two = [raw.name for raw in table(path).channels if raw.name.endswith("]")]
+    measurement = proposed(path, "what do the columns", base_displacement=one, displacement=two)
+    same(measurement, base_displacement=1e-3 * Y, displacement=1e-3 * A)
 
 
 @pytest.mark.parametrize(("names", "units"), [("names", "units"), ("labels", "Units")])
@@ -162,7 +170,8 @@ def test_a_matlab_struct_that_names_its_channels(tmp_path, names, units):
         units: np.array(["mm", "g"], dtype=object),
     }
     scipy.io.savemat(path, {"data": {"t": T, "y": np.column_stack([Y, A])} | cells})
-    same(proposed(path, "'data.t' has no unit"), base_displacement=1e-3 * Y, acceleration=G * A)
+    with pytest.warns(RecordWarning, match="'data.t' has no unit: it is taken to be in seconds"):
+        same(read(path), base_displacement=1e-3 * Y, acceleration=G * A)
 
 
 def test_signals_of_simulink_are_called_by_their_labels(tmp_path):
@@ -172,7 +181,8 @@ def test_signals_of_simulink_are_called_by_their_labels(tmp_path):
     ]
     path = tmp_path / "run.mat"
     scipy.io.savemat(path, {"out": {"time": T[:, None], "signals": signals}})
-    same(proposed(path, "'out.time' has no unit"), base_displacement=1e-3 * Y, acceleration=G * A)
+    with pytest.warns(RecordWarning, match="'out.time' has no unit: it is taken to be in seconds"):
+        same(read(path), base_displacement=1e-3 * Y, acceleration=G * A)
 
 
 def blanks(text):
@@ -239,15 +249,13 @@ def test_units_and_names_in_latin_1_of_a_universal_file(tmp_path, binary):
     ],
 )
 def test_a_name_decides_before_the_order_of_columns(tmp_path, headings, chosen):
-    """Whatever is proposed for columns without units: speed moves, friction is a force, and neither is the base."""
+    """Whatever is proposed for columns without units: speed moves, friction is a force, and nothing is the base."""
     path = write(tmp_path / "run.csv", [",".join(["t [s]", *headings])], [T, Y, A])
     rules = yaml.safe_load(mapping_to_start_from(path))
-    assert {q: rules["channels"][q]["channel"] for q in chosen} == {
-        q: headings[0 if values is Y else 1] for q, values in chosen.items()
-    }
-    named = {rule["channel"] for q, rule in rules["channels"].items() if q.startswith("base")}
-    assert not named & {"speed", "torque", "friction", "Friction force", "Reibkraft"}
-    assert set(chosen) <= set(read(path, rules))
+    held = {rule["channel"]: q for q, rule in rules["channels"].items()}
+    for q, values in chosen.items():
+        assert held[headings[0 if values is Y else 1]] == q
+    assert not any(q.startswith("base") for q in held.values())
 
 
 COLUMNS = {"time_s": T, "base_displacement_mm": Y, "acceleration_g": A}
@@ -291,11 +299,9 @@ def test_files_of_python(tmp_path, name):
 def test_a_plain_array_is_refused_with_a_mapping_that_reads_it(tmp_path, turned):
     table = np.column_stack([T, Y, A])
     np.save(tmp_path / "run.npy", table.T if turned else table)
-    same(
-        proposed(tmp_path / "run.npy", "finds no excitation"),
-        base_displacement=1e-3 * Y,
-        displacement=1e-3 * A,
-    )
+    columns = {"base_displacement": "column[2]", "displacement": "column[3]"}
+    measurement = proposed(tmp_path / "run.npy", "what do the columns", **columns)
+    same(measurement, base_displacement=1e-3 * Y, displacement=1e-3 * A)
     (record,) = read_records(
         table.T if turned else table,
         mapping={
@@ -351,7 +357,9 @@ def test_json_of_rows_without_names_and_of_points_in_time(tmp_path):
     rows = np.column_stack([T, Y, A]).tolist()
     path = tmp_path / "run.json"
     path.write_text(json.dumps(rows), encoding="utf-8")
-    same(proposed(path, "finds no excitation"), base_displacement=1e-3 * Y, displacement=1e-3 * A)
+    columns = {"base_displacement": "column[2]", "displacement": "column[3]"}
+    measurement = proposed(path, "what do the columns", **columns)
+    same(measurement, base_displacement=1e-3 * Y, displacement=1e-3 * A)
     points = pd.Timestamp("2026-03-01T12:00:00Z") + pd.to_timedelta(np.round(T * 1e9), unit="ns")
     stamped = lists() | {"time_s": [point.isoformat() for point in points], "notes": "rig 3"}
     path.write_text(json.dumps(stamped), encoding="utf-8")
@@ -367,9 +375,9 @@ def test_json_of_rows_without_names_and_of_points_in_time(tmp_path):
         ('{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, "a", 2], "x_mm": [1, 2, 0, 1]}', "holds texts"),
         ('{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, null, 2], "x_mm": [1, 2, 0, 1]}', r"\(NaN\)"),
         ('{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, 2], "x_mm": [1, 2, 0, 1]}', "has 3 samples"),
-        ("{}", "finds no excitation"),
-        ("[]", "finds no excitation"),
-        ("[1e400, 2]", "finds no excitation"),
+        ("{}", "finds no response"),
+        ("[]", "finds no response"),
+        ("[1e400, 2]", "finds no response"),
     ],
 )
 def test_json_that_holds_no_record(tmp_path, text, message):
@@ -391,12 +399,10 @@ def test_a_logger_that_counts_samples(tmp_path):
 def test_a_column_that_counts_below_the_word_channel_is_no_time(tmp_path):
     head = ["Channel,Base displacement,Acceleration", "Unit,mm,g"]
     path = write(tmp_path / "run.csv", head, [np.arange(1500.0), Y, A])
-    measurement = proposed(path, r"'Base displacement' has no times")
-    np.testing.assert_allclose(
-        np.diff(measurement["acceleration"].t), 1e-3
-    )  # a rate to be replaced
+    columns = {"base_displacement": 1e-3 * Y, "acceleration": G * A}
+    same(proposed(path, "at which rate was it sampled"), **columns)
     path = write(tmp_path / "run.csv", ["Interval,0.9765625", *head], [np.arange(1500.0), Y, A])
-    proposed(path, r"'Base displacement' has no times")  # of no unit: it may be in ms
+    proposed(path, "at which rate was it sampled")  # of no unit: it may be in ms
 
 
 def test_a_sheet_of_a_logger(tmp_path):

@@ -164,9 +164,12 @@ def test_a_record_goes_back_to_a_table():
         ({"acceleration_g": [{}] * T.size}, "'acceleration_g' holds what are not numbers"),
         ({"acceleration_g": 9.81}, "'acceleration_g' is a single value"),
         ({"acceleration_g": None, "acceleration_kg": A}, "'?acceleration'?.*kg"),
-        ({"acceleration_g": None, "acceleration": A}, "has no unit. Give it in mapping, for exam"),
+        (
+            {"acceleration_g": None, "acceleration": A},
+            "in which unit is .acceleration.. Say it in mapping, for exam",
+        ),
         ({"time_s": [*np.delete(T, 5).tolist(), 9.0]}, "has a gap"),
-        ({"time_s": None}, "(?s)has no times.* in mapping, for.*sample_rate_hz: 1000"),
+        ({"time_s": None}, "(?s)at which rate .* in mapping, for.*sample_rate_hz: .\\?"),
     ],
 )
 def test_what_is_wrong_is_said_as_of_a_file(change, message):

@@ -14,12 +14,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 import scipy.io
-import yaml
 from scipy.io import wavfile
 
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import read, table
 from dampbalance.replication.record import SimulatedRecord
+from records.drafts import filled, shown
 from records.formats import write_columns, write_uff
 
 RATE = 1000.0
@@ -308,18 +308,18 @@ def refused(path, match, mapping=None):
         ("\n \n", r"is empty"),
         ("time [s],base [mm],acc [g]\n", r"holds no rows of at least two numbers"),
         ("Dear reader,\nthere is nothing here.\n", r"holds no rows of at least two numbers"),
-        ("2021-05-04 10:00:00,1,2\n2021-05-04 10:00:01,2,2\n", r"finds no excitation"),
+        ("2021-05-04 10:00:00,1,2\n2021-05-04 10:00:01,2,2\n", r"what does the column 'column 2' hold"),
         ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'4\.5\.2021 10:00' is a date that can be read in"),
         ("time,y [m],x [m]\n" + "monday,1,2\n" * 3, r"neither texts nor dates are read, except 2026-03-01T12"),
         (HEADER + "0.0,1.0,2.0\n0.001,2.0,3.0\n", r"has 2 samples"),
         (HEADER.replace("[g]", "[gee]") + rows(), r"'acc': unknown unit 'gee'.*known for acceleration"),
-        (HEADER.replace("[g]", "[mm/s]") + rows(), r"'mm/s' is a unit of velocity, but acceleration needs"),
-        (HEADER.replace("[g]", "") + rows(), r"'acc' has no unit\. Give it in .*csv\.yaml .*, for"),
-        (HEADER.replace("[s]", "") + rows(), r"(?s)'time' has no unit\. Give it in .*time: \{channel: time, unit: s\}"),
-        ("base [mm],acc [g]\n" + rows(columns=(Y, A)), r"(?s)has no times.*  sample_rate_hz: 1000"),
-        (HEADER.replace("acc", "y") + rows(), r"takes both 'base displacement' and 'y' for base_displacement"),
-        ("time [s],y [mm],force [N],x [m]\n" + rows(columns=(T, Y, A, A)), r"finds base_displacement and force"),
-        (HEADER.replace("acc [g]", "sensor") + rows(), r"finds no response"),
+        (HEADER.replace("[g]", "[mm/s]") + rows(), r"its name says acceleration, its unit velocity"),
+        (HEADER.replace("[g]", "") + rows(), r"in which unit is 'acc'\? Say it in .*csv\.yaml .*, for"),
+        (HEADER.replace("[s]", "") + rows(columns=(1e3 * T, Y, A)), r"(?s)in which unit is 'time'\?.*time, unit: \"\?"),
+        ("base [mm],acc [g]\n" + rows(columns=(Y, A)), r"(?s)at which rate .*  sample_rate_hz: \"\?\""),
+        (HEADER.replace("acc [g]", "y [mm]") + rows(), r"'base displacement \[mm\]' and 'y \[mm\]' hold"),
+        ("time [s],y [mm],force [N],x [m]\n" + rows(columns=(T, Y, A, A)), r"'y \[mm\]' and 'force \[N\]' hold"),
+        (HEADER.replace("acc [g]", "sensor") + rows(), r"the column 'sensor' hold: displacement, velocity"),
         ("time [s],base,acc\n" + "0,5,0,5,0,5\n1,5,1,5,2,5\n" * 3, r"header has 3 names, its rows have 6 cells"),
     ],
 )  # fmt: skip
@@ -329,22 +329,18 @@ def test_bad_text(csv, text, message):
 
 def test_channels_that_cannot_be_told_apart(csv):
     path = csv("CH0 [s],CH1 [mm],CH2 [g]\n" + rows())
-    message = refused(path, r"finds no excitation")
-    assert "1 'CH0 [s]', 2 'CH1 [mm]', 3 'CH2 [g]'" in message
-    assert f"Say which is which in {path}.yaml (--write-mapping writes it), for" in message
-    assert read(path, told(message)).excitation.name == "CH1"
-
-
-def told(message: str) -> dict[str, object]:
-    """The mapping that a message shows."""
-    return yaml.safe_load(message.split("for example\n")[1])
+    message = refused(
+        path, r"what do the columns 'CH1 \[mm\]' and 'CH2 \[g\]' hold: base_displacement, "
+    )
+    assert f"Say it in {path}.yaml (--write-mapping writes it), for" in message
+    columns = {"base_displacement": "CH1", "acceleration": "CH2"}
+    assert read(path, filled(shown(message), columns)).excitation.name == "CH1"
 
 
 @pytest.mark.parametrize(
     ("header", "chosen"),
     [
         ("T1 [s],a,b", {"base_displacement": "a", "displacement": "b"}),
-        ("time,base [mm],acc [g]", {"base_displacement": "base", "acceleration": "acc"}),
         ("time [s],base [mm],acc", {"base_displacement": "base", "acceleration": "acc"}),
         ("time [s],base [mm],other [V]", {"base_displacement": "base", "displacement": "other"}),
         ("acc,no,yes", {"base_displacement": "no", "acceleration": "acc"}),
@@ -359,7 +355,7 @@ def told(message: str) -> dict[str, object]:
         ),
         ("time [s],x [mm],CH [m/s²]", {"base_acceleration": "CH", "displacement": "x"}),
         ("time [s],y [mm],force [N],x [mm]", {"base_displacement": "y", "displacement": "x"}),
-        ("time [s],laser [mm],laser [mm]", {"base_displacement": "laser", "displacement": "laser"}),
+        ("time [s],laser [mm],laser [mm]", {"base_displacement": 2, "displacement": 3}),
         ("a [in],time [ms],b [g]", {"base_displacement": "a", "acceleration": "b"}),
     ],
 )
@@ -368,29 +364,35 @@ def test_a_mapping_that_a_message_shows_is_complete_and_read(tmp_path, header, c
     columns = [T * 1e3 if "[ms]" in label else T if label.lower().startswith("t") else s
                for label, s in zip(header.split(","), (Y - A, Y, A, Y + A), strict=False)]  # fmt: skip
     path.write_text(header + "\n" + rows(columns=columns), encoding="utf-8")
-    measurement = read(path, told(refused(path, "for example")))
-    assert {q: measurement[q].name for q in measurement} == chosen
+    draft = shown(refused(path, "for example"))
+    rate = {"sample_rate_hz": RATE} if "sample_rate_hz" in draft else {}
+    measurement = read(path, filled(draft, chosen, **rate))
+    names = {q: name if isinstance(name, str) else "laser" for q, name in chosen.items()}
+    assert {q: measurement[q].name for q in measurement} == names
 
 
 def test_a_mapping_that_a_message_shows_for_a_matrix_is_read(tmp_path):
     path = hdf5(tmp_path, signals=np.column_stack([Y, A, Y + A]))
-    message = refused(path, r"finds no excitation")
-    assert re.search(r"left aside: 'signals\[3\]': neither name nor unit says", message)
-    measurement = read(path, told(message))
+    draft = shown(
+        refused(path, r"what do the columns 'signals\[1\]', 'signals\[2\]' and 'signals\[3\]'")
+    )
+    columns = {"base_displacement": "signals[1]", "displacement": "signals[2]"}
+    measurement = read(path, filled(draft, columns, sample_rate_hz=RATE))
     for quantity, values in zip(("base_displacement", "displacement"), (Y, A), strict=True):
         np.testing.assert_allclose(measurement[quantity].values, 1e-3 * values)
 
 
 def test_nothing_is_shown_where_no_mapping_would_do(csv):
     path = csv("time [s],base [mm]\n" + rows(columns=(T, Y)))
-    message = refused(path, r"finds no response; .* or name the file of each in .*run\.csv\.yaml$")
-    assert "for example" not in message
+    message = refused(path, r"finds no response: ")
+    assert "base_displacement: {channel: base" in message
 
 
 def test_channels_that_are_not_used_are_listed(csv):
     path = csv("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
     with pytest.warns(
-        RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]'; say in .*yaml what they hold"
+        RecordWarning,
+        match=r"csv: channels not used: 'CH 4 \[V\]' \(.*\).*; say in .*yaml what they hold",
     ):
         assert set(read(path)) == {"base_displacement", "acceleration"}
     named = {"base_displacement": {"channel": 2}, "acceleration": {"channel": 3}}
@@ -447,7 +449,7 @@ def test_parquet_with_text_and_nulls(tmp_path):
 def test_matlab_without_numbers(tmp_path):
     path = tmp_path / "run.mat"
     scipy.io.savemat(path, {"note": "nothing"})
-    refused(path, r"finds no excitation.*Its channels are none")
+    refused(path, r"finds no response.*its columns are none")
 
 
 def test_what_is_no_file(tmp_path):
@@ -589,7 +591,10 @@ def test_a_record_without_a_drive_is_a_free_decay(csv):
 
 def test_what_may_drive_a_record_must_be_named_or_left_out(csv):
     path = csv("t (s),x (mm),CH2 (V)\n0,1,0\n1,2,1\n2,-1,0\n3,0,1\n")
-    refused(path, r"finds no excitation; it needs one of .*, unless it is a free decay")
+    refused(
+        path,
+        r"what does the column 'CH2 \[V\]' hold: .*If it is a free decay, give --kind ring-down",
+    )
     assert list(read(path, {"channels": {"displacement": {"channel": "x"}}})) == ["displacement"]
 
 
@@ -609,4 +614,4 @@ def test_a_single_signal_is_a_response_by_its_unit(name, quantity, factor, csv):
 
 @pytest.mark.parametrize("name", ["Laser", "Ch1 [V]", "load cell [N]"])
 def test_a_single_signal_that_no_unit_makes_a_response_is_refused(name, csv):
-    refused(csv(f"t [s],{name}\n" + "0.00,1\n0.01,2\n" * 20), "finds no")
+    refused(csv(f"t [s],{name}\n" + "0.00,1\n0.01,2\n" * 20), "finds no|what does the column")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import yaml
 
 from dampbalance import RecordError
 from dampbalance.records.mapping import RecordMapping, mapping_from, parts_of
 from dampbalance.records.readers import table
 from dampbalance.records.recognise import recognise
 from dampbalance.records.table import RawChannel, Table, signals_file
+from records.drafts import filled, shown
 
 T = np.arange(200) / 1000.0
 Y, A = 4e-3 * np.sin(20.0 * T), 2.0 * np.cos(20.0 * T)  # m, m/s²
@@ -63,7 +63,7 @@ def test_roles_units_and_times_are_refused_before_samples_are_loaded():
 def test_a_refusal_proposes_a_mapping_that_reads_the_table():
     unnamed = {"time_s": T, "s1 [mm]": 1e3 * Y, "s2 [m/s²]": A}
     opened = signals_file("run", unnamed)
-    with pytest.raises(RecordError, match="finds no excitation") as refusal:
+    with pytest.raises(RecordError, match="what do the columns") as refusal:
         recognise(opened, RecordMapping())
-    proposed = str(refusal.value).partition("for example\n")[2].replace("\n  ", "\n")[2:]
-    assert_signals(recognise(opened, mapping_from(yaml.safe_load(proposed))))
+    mapping = filled(shown(refusal.value), {"base_displacement": "s1", "acceleration": "s2"})
+    assert_signals(recognise(opened, mapping_from(mapping)))

@@ -12,7 +12,8 @@ import yaml
 from dampbalance import read_records
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read
-from dampbalance.records.units import column_name, find_unit
+from dampbalance.records.units import column_name, find_unit, split_label
+from records.drafts import filled, shown
 from records.formats import write_columns
 
 T = np.arange(400) / 1000.0
@@ -65,6 +66,7 @@ READ = [
     (["base [mm]", "sensor 3 [g]"], {BASE_D: 0, A: 1}),
     (["force [N]", "Polytec (mm/s)"], {FORCE: 0, V: 1}),
     (["base [mm]", "Payload Accel (g)", "spare [N]"], {BASE_D: 0, A: 1}),
+    (["base [mm]", "x [m/s]"], {BASE_D: 0, V: 1}),  # a direction
     # input and output
     (["disp_in [mm]", "disp_out [mm]"], {BASE_D: 0, X: 1}),
     (["disp_out_mm", "disp_in_mm"], {BASE_D: 1, X: 0}),
@@ -94,46 +96,47 @@ def test_what_names_and_units_say_is_read_and_the_mapping_reads_the_same(
 
 REFUSED = [
     # no unit: neither inches nor anything else
-    (["disp_in", "disp_out"], r"'disp_in' has no unit", {BASE_D: 0, X: 1}),
-    (["disp_out", "disp_in"], r"'disp_in' has no unit", {BASE_D: 1, X: 0}),
+    (["disp_in", "disp_out"], "in which units are 'disp_", {BASE_D: 0, X: 1}),
+    (["disp_out", "disp_in"], "in which units are 'disp_", {BASE_D: 1, X: 0}),
     # either may drive
-    (["x [mm]", "CH [m/s²]"], r"finds no excitation", {BASE_A: 1, X: 0}),
-    (["Laser 1 [mm]", "Laser 2 [mm]"], r"finds no excitation", {BASE_D: 0, X: 1}),
-    (["x [mm]", "Laser [mm]", "load [N]"], r"finds no excitation", {FORCE: 2, X: 0}),
-    (["x [mm]", "Laser [mm]", "CH3 [N]"], r"finds no excitation", {BASE_D: 1, X: 0}),
-    (["Hammer [N]", "A1 [g]", "A2 [g]"], r"finds no excitation", {FORCE: 0, A: 1}),
-    # alike: the first drives, unless it is the mass
-    (["acc 1 [g]", "acc 2 [g]"], r"finds no excitation", {BASE_A: 0, A: 1}),
-    (["acc [g]", "acc [g]"], r"takes both 'acc' and 'acc'", {BASE_A: 0, A: 1}),
-    (["mass acc 1 [g]", "acc 2 [g]"], r"finds no excitation", {BASE_A: 1, A: 0}),
-    (["disp 1", "disp 2", "acc 1", "acc 2"], r"finds no excitation", {BASE_D: 0, X: 1, A: 3}),
-    (["Signal [g]", "Reference [g]"], r"finds no excitation", {BASE_A: 1, A: 0}),
-    (["Hammer [V]", "Acc [g]"], r"finds no excitation", {FORCE: 0, A: 1}),
+    (["x [mm]", "CH [m/s²]"], "hold: base_acceleration or acceleration", {BASE_A: 1, X: 0}),
+    (["Laser 1 [mm]", "Laser 2 [mm]"], "hold: base_displacement or disp", {BASE_D: 0, X: 1}),
+    (["Hammer [N]", "A1 [g]", "A2 [g]"], r"A2 \[g\]' hold: acceleration\?", {FORCE: 0, A: 1}),
+    # alike: nothing says which of them drives
+    (["acc 1 [g]", "acc 2 [g]"], "'acc 1 .g.' and 'acc 2 .g.' hold", {BASE_A: 0, A: 1}),
+    (["acc [g]", "acc [g]"], "'acc .g.' and 'acc .g.' hold", {BASE_A: 1, A: 0}),
+    (["mass acc 1 [g]", "acc 2 [g]"], "does the column 'acc 2 .g.' hold", {BASE_A: 1, A: 0}),
+    (["disp 1", "disp 2", "acc 1", "acc 2"], "what do the columns", {BASE_D: 0, X: 1, A: 3}),
+    (["Signal [g]", "Reference [g]"], "hold: base_acceleration or", {BASE_A: 1, A: 0}),
+    (["Hammer [V]", "Acc [g]"], "the scale of 'Hammer .V.'", {FORCE: 0, A: 1}),
     # case counts
-    (["y [mm]", "x [Nm]"], r"'Nm' is a unit of torque, but", None),
+    (["y [mm]", "x [Nm]"], "its name says displacement, its unit force", None),
     # one record rotates or moves along a line
     (["Laser [mm]", "Torque [Nm]"], r"'Torque' rotates and 'Laser' moves along a line", None),
-    (["x [mm]", "force [N]", "angle [deg]"], r"'angle' rotates and 'x' moves along a line", None),
+    (["x [mm]", "force [N]", "angle [deg]"], "what do the columns", {FORCE: 1, X: 0}),
     (["base [mm]", "speed [rpm]"], r"'speed' rotates and 'base' moves along a line", None),
     (["y [mm]", "x [MN]"], r"unknown unit 'MN' \(did you mean mN\?\)", None),
-    (["y [mm]", "force [KN]"], r"finds base_displacement and force", None),
-    (["force [KN]", "x [mm]"], r"unknown unit 'KN' \(did you mean kN\?\)", None),
-    (["base [mm]", "x [m/s]"], r"'m/s' is a unit of velocity", {BASE_D: 0, V: 1}),
+    (["y [mm]", "force [KN]", "x [mm]"], "'y .mm.' and 'force .KN.' hold", {BASE_D: 0, X: 2}),
+    (["force [KN]", "x [mm]"], r"unknown unit 'KN' \(did you mean kN\?\)", {FORCE: 0, X: 1}),
+    (["base [mm]", "disp [m/s]"], r"'disp \[m/s\]' hold: velocity", {BASE_D: 0, V: 1}),
 ]
 
 
 @pytest.mark.filterwarnings(IGNORED)
 @pytest.mark.parametrize(("headings", "message", "quantities"), REFUSED)
-def test_what_is_unclear_is_refused_with_a_mapping_that_is_read(
+def test_what_is_unclear_is_refused_with_a_mapping_that_is_read_when_its_blanks_are_filled(
     tmp_path, headings, message, quantities
 ):
     path = record(tmp_path, headings)
     with pytest.raises(RecordError, match=message) as error:
         read(path)
     if quantities is not None:
-        shown = str(error.value).partition("for example\n")[2]
-        assert held(read(path, yaml.safe_load(shown))) == quantities
-        assert yaml.safe_load(mapping_to_start_from(path)) == yaml.safe_load(shown)
+        draft = shown(error.value)
+        assert draft == yaml.safe_load(mapping_to_start_from(path))
+        with pytest.raises(RecordError, match="is a blank"):
+            read(path, draft)
+        names = {q: (split_label(headings[i])[0], i + 2) for q, i in quantities.items()}
+        assert held(read(path, filled(draft, names))) == quantities
 
 
 def test_a_displacement_that_nothing_but_its_unit_names_may_be_against_the_base(tmp_path):
@@ -157,8 +160,7 @@ def test_a_unit_in_the_wrong_case_is_mended_by_what_the_message_says(tmp_path):
         RecordError, match=r"'S' is a unit of a conductance \(did you mean s\?\)"
     ) as of:
         read(path)
-    shown = yaml.safe_load(str(of.value).partition("for example\n")[2])
-    assert held(read(path, shown)) == {BASE_D: 0, X: 1}
+    assert held(read(path, filled(shown(of.value)))) == {BASE_D: 0, X: 1}
     path.write_text(path.read_text().replace("TIME [S]", "t [s]").replace("x [mm]", "x [furlong]"))
     with pytest.raises(RecordError, match="unknown unit 'furlong'") as of:
         read(path, {"channels": {BASE_D: {"channel": "y"}, X: {"channel": "x"}}})
@@ -182,6 +184,7 @@ def test_a_time_that_another_column_in_seconds_precedes_is_still_the_time(tmp_pa
     path.write_text("\n".join("\t".join(row) for row in swapped) + "\n")
     mapping = yaml.safe_load(mapping_to_start_from(path))
     assert mapping["time"] == {"channel": "time", "unit": "s"}
+    mapping = filled(mapping, {BASE_D: "CH1", A: "CH2"})
     assert read(path, mapping)[A].t[-1] == pytest.approx(T[-1])
 
 
@@ -270,22 +273,14 @@ def test_channels_of_universal_files_are_told_apart(tmp_path, kind):
     sets, names, recognised = UNIVERSAL[kind]
     path = universal(tmp_path / "run.uff", sets)
     mapping = yaml.safe_load(mapping_to_start_from(path))
-    mapped = read(path, mapping)
+    mapped = read(path, filled(mapping, {BASE_A: names[1], A: names[0]}))
     assert held(mapped) == {BASE_A: 1, A: 0}
     assert [mapped[A].name, mapped[BASE_A].name] == names
     if recognised:
         assert held(read(path)) == held(mapped)
     else:
-        with pytest.raises(RecordError, match="finds no excitation"):
+        with pytest.raises(RecordError, match="hold: base_acceleration or acceleration"):
             read(path)
-
-
-def test_where_nodes_alone_differ_the_first_is_taken_for_the_drive(tmp_path):
-    none = {"ref_node": 0, "ref_dir": 0}
-    path = universal(tmp_path / "run.uff", [{"rsp_node": 4} | none, {"rsp_node": 2} | none])
-    text = mapping_to_start_from(path)
-    assert held(read(path, yaml.safe_load(text))) == {BASE_A: 0, A: 1}
-    assert "# by its name; taken as the drive, as it comes first" in text
 
 
 # The whole table of units: no other unit differs from one of them in case alone.

@@ -100,7 +100,8 @@ def run(options: argparse.Namespace) -> bool:
 
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
-    from ..records.mapping import find_mapping, read_mapping  # slow to import
+    from ..project.documents import read_yaml  # slow to import
+    from ..records.mapping import BLANK, blanks_in, find_mapping, mapping_for, read_mapping
     from ..records.readers import mapping_to_start_from, quantities_of
 
     file: Path = options.write_mapping
@@ -108,15 +109,19 @@ def _write_mapping(options: argparse.Namespace) -> None:
         raise ValueError(f"--write-mapping {file}: the name of a mapping must end in .yaml")
     stepped = None if options.kind == "recognised" else options.kind == "stepped-sine"
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
-    text = mapping_to_start_from(options.records[0], getattr(options, "mapping", None), stepped)
+    known = mapping_for(options.records[0], getattr(options, "mapping", None))
+    known = replace(known, free=options.kind == "ring-down")
+    text = mapping_to_start_from(options.records[0], known, stepped)
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
-        mapping = replace(read_mapping(unfinished), source=str(file))
-        for record in options.records if mapping.channels else ():
+        blanks = len(blanks_in(read_yaml(unfinished)))
+        mapping = None if blanks else replace(read_mapping(unfinished), source=str(file))
+        for record in options.records if mapping and mapping.channels else ():
             quantities_of(record, mapping)
     is_usual = all(find_mapping(record) == file for record in options.records)
     use = "without --write-mapping" if is_usual else f"with --mapping {file} instead"
-    print(f"{text}\nWritten to {file}. Check each line, then give the same command {use}.")
+    todo = f'Fill in what "{BLANK}" stands for' if blanks else "Check each line"
+    print(f"{text}\nWritten to {file}. {todo}, then give the same command {use}.")
 
 
 def _written(option: Option) -> Callable[[str], str]:

@@ -39,10 +39,11 @@ _MOST_NAMES = 6  # of records in a sentence
 _FIELD = re.compile(r"\{([^{}:]+)(?::([^{}]*))?\}")
 _PART = re.compile(r"\{@([^{}]+)\}")
 _CHOICE = re.compile(r"\[(\w+)\?([^\[\]|]*)(?:\|([^\[\]]*))?\]")
-_PER_SI = {
-    **{"mm": 1e3, "µs": 1e6, "ppm": 1e6, "%": 100.0, "N/mm³": 1e-9, "µm/N": 1e6},
+PER_SI = {
+    **{"mm": 1e3, "N/mm": 1e-3, "µs": 1e6, "ppm": 1e6, "%": 100.0, "N/mm³": 1e-9, "µm/N": 1e6},
     "°": math.degrees(1.0),
 }
+"""Units that numbers are shown in, per SI unit."""
 _UNITS = {
     **UNITS,
     **{"k_3": "N/m³", "falling": "N", "falling_speed": "m/s", "corner": "Hz", "gradual": ""},
@@ -96,7 +97,7 @@ def _filled(template: str, findings: Sequence[Finding], vocabulary: Vocabulary) 
             and not isinstance(values[0], bool)
         ):
             values = sorted({min(values), max(values)})
-        scale = _PER_SI.get(unit, 1.0)
+        scale = PER_SI.get(unit, 1.0)
         texts = [_formed(value, form, scale, vocabulary) for value in values]
         ends = " to ".join(dict.fromkeys(texts))
         return with_unit(ends, vocabulary.unit(unit)) if unit else ends

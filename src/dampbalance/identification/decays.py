@@ -93,6 +93,7 @@ class DecayBasis:
 
     kind: ClassVar[str] = "ring-down"
     mass_tests: ClassVar[bool] = True
+    columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return what each further coefficient would explain, the standard deviation of the friction forces, 0

@@ -105,6 +105,7 @@ class ForcedBasis:
 
     kind: ClassVar[str] = "forced"
     mass_tests: ClassVar[bool] = True
+    columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return the microstick line and the features of each record."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 
@@ -13,8 +14,9 @@ class Level(NamedTuple):
     motion than of a small one. Use them to compare with other rigs, or in a linear model at about that amplitude; F_k
     and c hold at all of them.
 
-    name : of the record, or of the decay and the time.   X : amplitude, m.   omega : ω, rad/s.   W : energy that the
-    cycle loses, J.   friction : the part of it that friction takes, J.
+    name : of the record, or of the decay and the time.   X : amplitude, m.   omega : ω, rad/s; NaN without times.   W :
+    energy that the cycle loses, J.   friction : the part of it that friction takes, J.   more : what else is measured,
+    or otherwise, by the keys of the document.
     """
 
     name: str
@@ -22,6 +24,7 @@ class Level(NamedTuple):
     omega: float
     W: float
     friction: float
+    more: Mapping[str, Any] = {}
 
     @property
     def equivalent_damping(self) -> float:
@@ -53,6 +56,7 @@ class Level(NamedTuple):
             "equivalent_damping_ratio": damping_ratio(self.equivalent_damping, k, m),
             "loss_factor": eta,
             "Q": 1.0 / eta if eta else math.inf,
+            **self.more,
         }
 
 

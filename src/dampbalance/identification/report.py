@@ -51,6 +51,8 @@ from .screen import (
     comparison,
     interval_of,
     limiting,
+    measured_caption,
+    measured_table,
     named,
     value_of,
     worded_first,
@@ -190,6 +192,11 @@ def _explained(findings: Iterable[Finding]) -> list[str]:
     ]
 
 
+def _measured(found: Result[Any]) -> list[list[str]]:
+    """Return the table of what is measured of each level, with short names of the records."""
+    return [[_short(name), *cells] for name, *cells in measured_table(found)]
+
+
 def _rig(found: Result[Any]) -> str:
     """Return the drawing of the rig that records are taken to be of, SVG; empty where none is drawn."""
     from ..figures.rig_drawings import LOAD_CELL, MOUNT, RELEASE, TO_GROUND, rigs  # slow to import
@@ -249,6 +256,8 @@ _TEMPLATES.globals |= {
     "FAULTS": FAULTS,
     "first_check": _first_check,
     "limiting": limiting,
+    "measured": _measured,
+    "measured_caption": measured_caption,
     "named": named,
     "rig": _rig,
     "kind": _kind,

@@ -111,6 +111,10 @@ def read_request(
     asked_for = read_options(kind, {**options, "mapping": mapping})
     read = as_records(records, mapping=mapping, free=kind == "ring-down", reader=reader)
     require_different(read)
+    if kind != "loops" and (bare := [record.name for record in read if not record.timed]):
+        raise ValueError(
+            f"{bare[0]} has no times, which {IN_WORDS[kind]} need: give a column of them, or their rate"
+        )
     tables = kind == "stepped-sine"
     for record in read:
         if bool(record.channels) == tables:

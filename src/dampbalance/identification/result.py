@@ -46,6 +46,10 @@ class Basis(Protocol):
     mass_tests: ClassVar[bool]
     """Whether a mass that is given tests stiffness and gains; else it is taken as it is."""
 
+    columns: ClassVar[Mapping[str, tuple[str, str]]]
+    """What is measured of each level without a model, by the keys of its document: symbol and unit in the table that
+    screen and report begin with; none where the answer says it all."""
+
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return what was read off the records and follows from them, for the document; `records` has an entry for
         each."""

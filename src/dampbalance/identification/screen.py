@@ -6,14 +6,16 @@ import math
 import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
 from ..findings.finding import Finding
-from ..findings.words import in_a_sentence, limit, unit_of
+from ..findings.words import PER_SI, in_a_sentence, limit, unit_of
 from ..findings.words import sentence as worded
 from ..fit.oscillator_fit import OscillatorFit
 from ..law.terms import FRICTION
 from ..project.wording import (
+    cut,
     label_with_unit,
     listed,
     number_text,
@@ -21,6 +23,7 @@ from ..project.wording import (
     percent,
     rounded,
     sentence,
+    visible,
     with_error,
     with_unit,
 )
@@ -34,6 +37,8 @@ if TYPE_CHECKING:
 
 _ROUNDING = 1e-12
 _SKEW = 0.1  # of the half width, by which a value may lie off the middle of an interval that is shown as ±
+_LEVELS = 12  # of loops that a screen has room for
+_CAPTIONS = {"loops": "loops measured"}  # kind of records → finding that says what the columns are
 _CAUSES = 3  # of doubt that a screen has room for
 
 
@@ -57,7 +62,8 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     parts = [causes, table_of(found), numbers] if first else [numbers, causes]
     more = f"{left} more and " * bool(left) + "all numbers"
     last = f"See {details} for {more}, and for what they depend on."
-    return _page(wrapped([answer], width), *parts, comparison(found, width), wrapped([last], width))
+    table, tests = measured_of_levels(found, width, _LEVELS), comparison(found, width)
+    return _page(table, wrapped([answer], width), *parts, tests, wrapped([last], width))
 
 
 def details(found: Result[Any], width: int | None = None) -> str:
@@ -70,7 +76,7 @@ def details(found: Result[Any], width: int | None = None) -> str:
     limits = limiting(found)
     causes = [f"{heading}:", *wrapped(limits, width)] if limits else []
     parts = [causes, numbers] if found.unanswered else [numbers, causes]
-    return _page(wrapped([lead(found)], width), *parts)
+    return _page(measured_of_levels(found, width), wrapped([lead(found)], width), *parts)
 
 
 def _page(*parts: Sequence[str]) -> str:
@@ -132,6 +138,46 @@ def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
 def table_of(found: Result[Any]) -> list[str]:
     """Return the table of all answers as lines."""
     return aligned(answers_table(found))
+
+
+def measured_table(found: Result[Any], most: int | None = None) -> list[list[str]]:
+    """Return what is measured of each level, a line each with its record below a line of heads; nothing where the
+    answer says it all.   most : lines, evenly chosen of more."""
+    columns, of, levels = found.basis.columns, found.coordinate, found.levels
+    if not columns:
+        return []
+    if most and len(levels) > most:
+        levels = [levels[round(i * (len(levels) - 1) / (most - 1))] for i in range(most)]
+    heads = [label_with_unit(of.symbol(s), of.unit(unit)) for s, unit in columns.values()]
+    table = [["record", *heads]]
+    for level in levels:
+        values = level.document(found.k, found.mass)
+        cells = [_cell(values[key], unit) for key, (_, unit) in columns.items()]
+        table.append([level.name, *cells])
+    return table
+
+
+def measured_caption(found: Result[Any]) -> str:
+    """Return a sentence on the columns of that table."""
+    return sentence(worded(Finding(_CAPTIONS[found.basis.kind]), found.coordinate))
+
+
+def _cell(value: float | int, unit: str) -> str:
+    """Return a number of a table; a count as it is."""
+    return f"{value}" if isinstance(value, int) else number_text(PER_SI.get(unit, 1.0) * value, 3)
+
+
+def measured_of_levels(found: Result[Any], width: int | None, most: int | None = None) -> list[str]:
+    """Return the lines of that table below a sentence on it, with the name of each of several records in between."""
+    if not (table := measured_table(found, most)):
+        return []
+    names = [row[0] for row in table]
+    head, *rows = aligned([row[1:] for row in table])
+    lines = [*wrapped([measured_caption(found)], width), "", head]
+    for before, name, row in zip(names, names[1:], rows, strict=False):
+        title = [f"{cut(visible(PurePath(name).name), width or len(name))}:"]
+        lines += [*title * (name != before and len(found.sources) > 1), row]
+    return lines
 
 
 def aligned(table: Sequence[Sequence[str]]) -> list[str]:

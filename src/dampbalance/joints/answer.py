@@ -69,6 +69,7 @@ class SteppedBasis:
 
     kind: ClassVar[str] = "stepped-sine"
     mass_tests: ClassVar[bool] = False
+    columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
 
     def _of_mode(self, found: Result[Any]) -> SteppedLines:
         """Return the lines without what other modes add to them, by the fit of the answer."""

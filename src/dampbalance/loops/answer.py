@@ -1,4 +1,5 @@
-"""The contact from measured loops of force against displacement: answer, history, and rows of the balance.
+"""The contact from measured loops of force against displacement: what is measured of each cycle and level, answer,
+and rows of the balance.
 
 A cycle is a row of the balance, ∮ f dx = a F_k + b c with a = 4(X − Z_m) and b = ∮ ẋ² dt; the shape of the loop gives
 K_z. There is no oscillator: neither mass nor the stiffness of a spring is needed.
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..balance import Rows
 from ..findings.finding import Finding
 from ..identification.answer import (
@@ -37,7 +38,7 @@ from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95
-from .cycles import Loop
+from .cycles import FEWEST_CYCLES, Loop
 from .fit import (
     MOST_BLOCKS,
     SLIDERS,
@@ -68,6 +69,7 @@ _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
+_NO_SLIDER = 0.2  # of F_k or of the loss, from which on a residual bounds no number of the fit
 _DIFFER = 0.002  # of F_k, between records: less does not matter
 _REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
 MOST_SAMPLES = 60_000
@@ -75,6 +77,37 @@ MOST_SAMPLES = 60_000
 
 
 _COMPARED = {"one slider": "one slider predicts", "gradual": "many sliders predict"}
+
+
+def levels_of(X: Array) -> list[Integers]:
+    """Return the cycles of each level, whose amplitudes differ by a few percent at the most, from the smallest on."""
+    order, levels = np.argsort(X, kind="stable"), list[Integers]()
+    while order.size:
+        same = X[order] <= (1.0 + _SAME_LEVEL) * X[order[0]]
+        levels.append(np.sort(order[same]))
+        order = order[~same]
+    return levels
+
+
+def measures(X: Any, W: Any, peaks: Array) -> dict[str, Any]:
+    """Return what engineers compare loops by, free of any model, by the keys of the document: W/(4X), the friction
+    force of a rigid contact with this loss; the secant stiffness k_s between the forces at the largest displacements,
+    NaN if these do not oppose each other; ζ_eq = W/(4π · ½ k_s X²) (Chopra, Dynamics of Structures, Sec. 3.9); and the
+    backbone.
+
+    X : amplitude, m.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`, (…, 4).
+    """
+    high, low, up, down = peaks.T
+    stiffness = np.where(up > down, (up - down) / (high - low), math.nan)
+    return {
+        "W_over_4X_N": W / (4.0 * X),
+        "secant_stiffness_N_per_m": stiffness,
+        "equivalent_damping_ratio": W / (2.0 * math.pi * stiffness * X**2),
+        "largest_displacement_m": high,
+        "force_at_largest_displacement_N": up,
+        "smallest_displacement_m": low,
+        "force_at_smallest_displacement_N": down,
+    }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,6 +124,16 @@ class LoopBasis:
 
     kind: ClassVar[str] = "loops"
     mass_tests: ClassVar[bool] = False
+    columns: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "X_m": ("X", "mm"),
+        "cycles": ("n", ""),
+        "W_J": ("W", "J"),
+        "W_over_4X_N": ("W/4X", "N"),
+        "secant_stiffness_N_per_m": ("k_s", "N/mm"),
+        "equivalent_damping_ratio": ("ζ_eq", "%"),
+        "force_at_largest_displacement_N": ("F+", "N"),
+        "force_at_smallest_displacement_N": ("F−", "N"),
+    }
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return what the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
@@ -108,7 +151,8 @@ class LoopBasis:
             "friction_coefficient_interval": interval,
             "history": history(found).to_dict("list"),
             "records": [
-                {"record": loop.name, "cycles": loop.cycles, "force_sign_changed": loop.flipped}
+                {"record": loop.name, "cycles": loop.cycles, "timed": loop.timed}
+                | {"force_sign_changed": loop.flipped}
                 for loop in self.loops
             ],
         }
@@ -117,16 +161,21 @@ class LoopBasis:
         """Return the mean cycle of each amplitude in each record."""
         levels, c = [], contact(found)["c"]
         for loop in self.loops:
-            X, (_, b, W) = loop.amplitudes, row_of(loop, self.fits[found.answer.name])
-            steps = np.round(np.log(X / X.max()) / _SAME_LEVEL)
+            friction = np.full(loop.cycles, math.nan)
+            if fit := self.fits.get(found.answer.name):
+                _, b, without_quadratic = row_of(loop, fit)
+                friction = without_quadratic - c * b
             samples = np.bincount(loop.cycle[loop.own])
-            for step in np.unique(steps):
-                own = steps == step
-                duration = np.median(samples[own])
-                omega = 2.0 * math.pi / (duration * float(loop.t[1] - loop.t[0]))
-                lost = float(W[own].mean())
-                of = float(X[own].mean()), omega, lost, lost - c * float(b[own].mean())
-                levels.append(Level(loop.name, *of))
+            for own in levels_of(loop.amplitudes):
+                duration = float(np.median(samples[own]) * (loop.t[1] - loop.t[0]))
+                omega = 2.0 * math.pi / duration if loop.timed else math.nan
+                X, W, of_friction = (
+                    float(of[own].mean()) for of in (loop.amplitudes, loop.lost, friction)
+                )
+                more = measures(X, W, loop.peaks[own].mean(axis=0))
+                zeta = more["equivalent_damping_ratio"]
+                more |= {"cycles": own.size, "loss_factor": 2.0 * zeta, "Q": 0.5 / zeta}
+                levels.append(Level(loop.name, X, omega, W, of_friction, more))
         return levels
 
     def shifts(
@@ -134,9 +183,11 @@ class LoopBasis:
     ) -> dict[str, dict[str, float]]:
         """Return the changes of an answer with faults of gain and timing: all are in proportion to the force, c and K_z
         inversely so to the displacement; a displacement that is late is fitted again."""
-        fit, shifts = self.fits[name], {}
+        shifts: dict[str, dict[str, float]] = {}
+        timed = all(loop.timed for loop in self.loops)
         for what, fault in faults.items():
-            if not (fault.drive or fault.response or fault.late):
+            acts = fault.drive or fault.response or (fault.late and timed)
+            if not (acts and (fit := self.fits.get(name))):
                 continue
             late = with_late_motion(fit, fault.late).values if fault.late else fit.values
             shifts[what] = {
@@ -150,16 +201,16 @@ class LoopBasis:
         return shifts
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
-        """Return force over displacement with the model, the loss against the amplitude, and the history of the
-        cycles."""
+        """Return force over displacement with the model and the backbone, loss and stiffness against the amplitude,
+        and, with a fit, the history of the cycles."""
         from . import pictures as drawn  # slow to import
 
-        fit = self.fits[found.answer.name]
-        return {
-            "loops": Picture(drawn.loops, (fit.design.loops, fit)),
-            "loss": Picture(drawn.loss, (self.loops, fit)),
-            "history": Picture(drawn.history, (history(found),)),
+        fit, cycles = self.fits.get(found.answer.name), history(found)
+        shown = {
+            "loops": Picture(drawn.loops, (self.loops, fit, found.levels)),
+            "loss": Picture(drawn.loss, (self.loops, fit, cycles)),
         }
+        return shown | ({"history": Picture(drawn.history, (cycles,))} if fit else {})
 
 
 def contact(found: Result[LoopBasis]) -> dict[str, float]:
@@ -201,31 +252,38 @@ def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
 
 def history(found: Result[LoopBasis]) -> pd.DataFrame:
     """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
-    stiffness of the contact, mean force, the viscous damper and the spring that would do the same, and the way
-    travelled so far. Use it to see running-in, wear and heating.
+    stiffness of the contact, mean force, the viscous damper and the spring that would do the same, the `measures`, and
+    the way travelled so far. Use it to see running-in, wear and heating.
 
-    F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles; NaN for a cycle that is
-    not closed, as between two levels. K_z comes from the residual in the cycle: one step of Gauss and Newton in
-    size and width of the contact.
+    F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles. K_z comes from the residual
+    in the cycle: one step of Gauss and Newton in size and width of the contact. Both are NaN for the first cycle of a
+    record, before which the state of the contact is not known, and without a fit; the damper is NaN without times.
     """
     import pandas as pd  # slow to import
 
-    fit, c, tables = found.basis.fits[found.answer.name], contact(found)["c"], []
-    for loop, drift in zip(found.basis.loops, fit.drifts.tolist(), strict=True):
-        a, b, W = row_of(loop, fit)
-        per_load = np.where((a > 0.0) & loop.closed, a / loop.load, np.nan)
-        F = (W - c * b) / per_load
+    fit, c, tables = found.basis.fits.get(found.answer.name), contact(found)["c"], []
+    for number, loop in enumerate(found.basis.loops):
+        b = loop.by_cycle(loop.v) if loop.timed else math.nan
         x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
-        stiffness = loop.means(f * x) / loop.means(x**2)
-        K_z = fit.values["K_z"] * _stiffer(fit, loop, drift)
-        columns = {"record": loop.name, "cycle": np.arange(2, loop.cycles + 2)}
-        columns |= {"X_m": loop.amplitudes, "W_J": W, "F_k_N": F}
-        columns |= {"K_z_N_per_m": K_z, "mean_force_N": loop.means(loop.f)}
-        columns |= {"equivalent_damping_N_s_per_m": W / b}
-        columns |= {"equivalent_stiffness_N_per_m": stiffness}
+        columns: dict[str, Any] = {
+            "record": loop.name,
+            "cycle": loop.first + np.arange(loop.cycles),
+        }
+        columns |= {"X_m": loop.amplitudes, "W_J": loop.lost, "F_k_N": math.nan}
+        columns |= {"K_z_N_per_m": math.nan, "mean_force_N": loop.means(loop.f)}
+        columns |= {"equivalent_damping_N_s_per_m": loop.lost / b}
+        columns |= {"equivalent_stiffness_N_per_m": loop.means(f * x) / loop.means(x**2)}
+        columns |= measures(loop.amplitudes, loop.lost, loop.peaks)
+        if fit:
+            a, _, W = row_of(loop, fit)
+            friction = (W - c * np.nan_to_num(b)) / np.where(a > 0.0, a / loop.load, np.nan)
+            stiffness = fit.values["K_z"] * _stiffer(fit, loop, float(fit.drifts[number]))
+            for of in (friction, stiffness):
+                of[: loop.cycles - loop.settled().cycles] = math.nan
+            columns |= {"F_k_N": friction, "K_z_N_per_m": stiffness}
         if loop.N is not None:
             N = loop.means(loop.N)
-            columns |= {"normal_force_N": N, "friction_coefficient": F / N}
+            columns |= {"normal_force_N": N, "friction_coefficient": columns["F_k_N"] / N}
         tables.append(pd.DataFrame(columns).assign(travel_m=4.0 * np.cumsum(loop.amplitudes)))
     return pd.concat(tables, ignore_index=True)
 
@@ -250,9 +308,11 @@ def identify_loops(
     **options: Unpack[LoopOptions],
 ) -> Result[LoopBasis]:
     """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement: a record of five
-    cycles or more of any periodic motion, or several at other amplitudes and speeds.
+    cycles or more of any periodic motion, or several at other amplitudes and speeds. Of fewer cycles, and whether a
+    contact fits or not, `levels` has loss, secant stiffness, damping and backbone of each amplitude.
 
-    records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact.
+    records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact;
+    without times, c is not determined.
     stiffness : leave it out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
     {options}
@@ -260,7 +320,7 @@ def identify_loops(
     Records with a channel normal_force each share one μ, and F_k is that at their mean normal force.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a record
-    without force or displacement, of fewer than five cycles, a stiffness or a mass.
+    without force or displacement, or without a complete cycle, a stiffness or a mass.
 
     >>> import numpy as np
     >>> from dampbalance.loops import identify_loops
@@ -275,51 +335,70 @@ def identify_loops(
     read, of = read_request("loops", records, mapping, {"stiffness": stiffness, **options})
     N, backlash = of["normal_force_N"], of["backlash"]
     normal = None if N is None else (N, of["normal_force_standard_error_N"])
-    loops, measured, odd = read_loops(read, of["fixture_stiffness_N_per_m"])
+    loops, measured, odd = read_loops(read, of["fixture_stiffness_N_per_m"], of["skip_cycles"])
     normal = normal or measured
-    share = MOST_SAMPLES / sum(loop.own.size for loop in loops)
-    fits, forces = _fits(loops, share, backlash), np.ones(len(loops))
-    for _ in range(_REFITS):
+    fits, forces = _fits(loops, backlash), np.ones(len(loops))
+    for _ in range(_REFITS * bool(fits)):
         more = different_forces(next(iter(fits.values())))
         if np.ptp(more) < _DIFFER:
             break
         pairs, forces = zip(loops, more.tolist(), strict=True), forces * more
         loops = tuple(replace(loop, load=loop.load * of) for loop, of in pairs)
-        fits = _fits(loops, share, backlash)
+        fits = _fits(loops, backlash)
     scatter = float(np.std(forces, ddof=1)) if len(loops) > 1 else 0.0
-    first = next(iter(fits.values()))
+    answers = {name: _answer(name, fit, loops, fits, scatter) for name, fit in fits.items()}
+    first = next(iter(fits.values()), None)
     found = Result(
         basis=LoopBasis(loops, fits, normal),
         k=math.nan,
         sources=tuple(record.name for record in read),
-        estimates={name: _answer(name, fit, loops, fits, scatter) for name, fit in fits.items()},
-        odd=(*odd, *_warned(first, loops)),
+        estimates=answers or {"one slider": _unfitted(loops)},
+        odd=(*odd, *_warned(loops, first)),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
             f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
         ),
-        rig=[*_rig(first, loops, normal)],
-        check=[Finding(_COMPARED[next(iter(fits))])],
+        rig=[*_rig(first, loops, normal)] if first else [],
+        check=[Finding(_COMPARED[name]) for name in [*fits][:1]],
         records=tuple(read),
         options=of,
     )
     found = with_stated_uncertainties(found)
-    if normal is None:
+    if normal is None or first is None:
         return found
     mu, (low, high) = friction_coefficient(found)
     of = {"mu": (mu, 0.5 * (high - low))}
     return replace(found, check=[*(found.check or ()), Finding("friction coefficient", of)])
 
 
-def _fits(loops: Sequence[Loop], share: float, backlash: bool) -> dict[str, LoopFit]:
-    """Return the fits of one slider and of many by name, the one that predicts better first.   share : of the cycles
-    that are fitted, in runs of all records together; all of them from 1 on."""
+def _fits(loops: Sequence[Loop], backlash: bool) -> dict[str, LoopFit]:
+    """Return the fits of one slider and of many by name, the one that predicts better first; none to too few cycles.
+
+    Of long records cycles in runs are fitted, of all records together.
+    """
+    settled = [loop.settled() for loop in loops]
+    cycles, samples = ([getattr(loop, of) for loop in settled] for of in ("cycles", "own"))
+    if min(cycles) < 1 or sum(cycles) < FEWEST_CYCLES:
+        return {}
+    share = MOST_SAMPLES / sum(own.size for own in samples)
     runs = math.ceil(MOST_BLOCKS / len(loops))
-    design = Design(loops if share >= 1.0 else [loop.excerpt(share, runs) for loop in loops])
+    design = Design(settled if share >= 1.0 else [loop.excerpt(share, runs) for loop in settled])
     slider, gradual = fit_slider(design, backlash=backlash), fit_gradual(design)
     if predicts_better(gradual, slider):
         return {"gradual": gradual, "one slider": slider}
     return {"one slider": slider, "gradual": gradual}
+
+
+def _unfitted(loops: Sequence[Loop]) -> Answer:
+    """Return an answer without numbers, as too few cycles are recorded; its rows are those of a rigid contact."""
+    parameters = dict.fromkeys((FRICTION, "c", "K_z"), UNKNOWN)
+    cycles = sum(loop.cycles for loop in loops)
+    numbers = {"cycles": cycles, "many": cycles > 1, "least": FEWEST_CYCLES + len(loops)}
+    note = Finding("few loops", numbers)
+    X, W = (np.concatenate([getattr(of, n) for of in loops]) for n in ("amplitudes", "lost"))
+    names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
+    balance = Balance(Rows({FRICTION: 4.0 * X}, W), np.full(W.size, math.nan), names)
+    return Answer("one slider", parameters, covariance_of(parameters), (note,), balance)
 
 
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
@@ -352,13 +431,14 @@ def _answer(
 
     def estimate(symbol: str) -> ParameterEstimate:
         value, error = fit.values.get(symbol, math.nan), fit.errors.get(symbol, math.nan)
-        determined = error > 0.0 if symbol == "c" else slips(fit) and value > 0.0
-        if not determined:
+        determined = slips(fit) and (error > 0.0 if symbol == "c" else value > 0.0)
+        half = reach * error
+        if not determined or (symbol == "c" and value + half <= 0.0):
             return UNKNOWN
-        high = value + reach * error
-        if symbol == "K_z" and reach * error >= value:
-            high = math.inf
-        known = ParameterEstimate(value, error, Interval(value - reach * error, high))
+        low, high = value - half, value + half
+        if symbol == "K_z" and low <= 0.0:  # of 1/K_z, which rather has a normal distribution
+            low, high = value / (1.0 + half / value), math.inf
+        known = ParameterEstimate(value, error, Interval(low, high))
         compared = [*others, slider] if symbol == "c" and others else others
         off = max((abs(other.values[symbol] - value) for other in compared), default=0.0)
         # other choices bound it, as a rectangular distribution (GUM 4.3.7); further records have other frictions
@@ -370,17 +450,24 @@ def _answer(
         return known
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
+    c, c_error = (of.get("c", 0.0) for of in (fit.values, fit.errors))
     if not slips(fit):
         notes.append(Finding("loops stick"))
+    elif not design.timed:
+        notes.append(Finding("no times"))
+    elif c < -_CERTAIN * c_error:
+        notes.append(Finding("negative damping", {"c": (c, c_error)}))
     elif not design.with_c:
         notes.append(Finding("one speed"))
     elif parameters["c"] is UNKNOWN:
         notes.append(Finding("c hidden"))
-    rows = [row_of(loop, fit) for loop in loops]
+    settled = [loop.settled() for loop in loops]
+    rows = [row_of(loop, fit) for loop in settled]
     a, b, W = (np.concatenate(of) for of in zip(*rows, strict=True))
-    names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
-    errors = np.concatenate([np.full(of[2].size, np.std(of[2], ddof=1)) for of in rows])
-    balance = Balance(Rows({FRICTION: a, "c": b}, W), errors, names)
+    names = tuple(loop.name for loop in settled for _ in range(loop.cycles))
+    scatters = [np.full(of.size, np.std(of, ddof=min(1, of.size - 1))) for _, _, of in rows]
+    terms = {FRICTION: a, "c": b} if design.timed else {FRICTION: a}
+    balance = Balance(Rows(terms, W), np.concatenate(scatters), names)
     merit = {
         "residual": fit.rms / float(np.std(design.f)),
         "k_N_per_m": fit.values["k"],
@@ -395,21 +482,21 @@ def _answer(
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
-def _warned(fit: LoopFit, loops: Sequence[Loop]) -> Iterator[Finding]:
+def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
     """Yield findings on the sign of the force, and on what no contact of the model explains."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
         yield Finding("flipped", {"records": listed(flipped)})
+    if not (fit and slips(fit)):
+        return
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
-    fall, shift = fall_with_speed(fit) if many and slips(fit) else (0.0, 0.0)
+    fall, shift = fall_with_speed(fit) if many and fit.design.timed else (0.0, 0.0)
     if abs(fall) > _FALLS:
         effect = {"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf}
         yield Finding("falls", {"by": abs(fall), "larger": bool(fall > 0.0)}, effect)
-    c, error = fit.values.get("c", 0.0), fit.errors.get("c", 0.0)
-    if c < -_CERTAIN * error:
-        yield Finding("negative damping", {"c": (c, error)}, {"c": math.inf})
-    share = fit.rms / abs(fit.values[FRICTION] or 1.0)
-    if share > USELESS:
-        yield Finding("other shape", {"share": share}, {"": share})
+    share, loss = fit.beyond_noise / fit.values[FRICTION], fit.wrong_loss
+    if (off := max(share, loss)) > USELESS:
+        numbers = {"share": share, "loss": loss, "wrong": loss > USELESS}
+        yield Finding("other shape", numbers, {"": off if off < _NO_SLIDER else math.inf})
 
 
 _SAID_OF = {
@@ -438,10 +525,7 @@ def _rig(
     if "g" in of:
         yield Finding("backlash", {"gap": (2.0 * of["g"], 2.0 * errors["g"])})
     for loop in loops:
-        per_cycle = loop.lost, loop.by_cycle(loop.v), loop.amplitudes
-        lost, b, X = (float(np.median(of)) for of in per_cycle)
-        yield Finding("loss of a loop", {"record": loop.name, "X": X, "lost": lost, "c": lost / b})
-    for loop in loops:
+        loop = loop.settled()
         W, cycles = loop.lost, np.arange(loop.cycles)
         level = np.abs(loop.amplitudes / np.median(loop.amplitudes) - 1.0) < _SAME_LEVEL
         if level.sum() < loop.cycles or loop.cycles < 8:
@@ -453,4 +537,6 @@ def _rig(
         slope, covariance = np.polyfit(cycles, W / W.mean(), 1, cov=True)
         error = math.sqrt(covariance[0, 0])
         trend = (float(slope[0]), error) if abs(slope[0]) > _TREND * error else ()
-        yield Finding("steady loss", {"record": loop.name, "cycle": start + 2, "trend": trend})
+        yield Finding(
+            "steady loss", {"record": loop.name, "cycle": start + loop.first, "trend": trend}
+        )

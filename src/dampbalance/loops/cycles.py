@@ -12,11 +12,15 @@ import numpy as np
 from ..arrays import Array, Integers, Mask
 
 FEWEST_CYCLES = 4
-"""Complete cycles, the first left out: of fewer the scatter between them says nothing."""
+"""Cycles of all records that a contact is fitted to: of fewer the scatter between them says nothing."""
 
 # of the range of x: a reversal is a return by more, so that levels of 1 : 20 are read
 _SWING = 0.04
-_CLOSED = 0.05  # of the range of a cycle, between its ends
+# of X: a motion that comes so near to its middle before the first reversal, or after the last one, has passed it
+_NEAR_MIDDLE = 0.05
+_NEAR_PEAK = (
+    0.01  # of X: the force at a reversal is the mean of that on the last part of the way to it
+)
 # noise of x over its range from which on it is smoothed: else z reverses with it
 _SMOOTHED = 1e-3
 _SHARP = 4.0  # standard deviations of noise, from which on a bend of x is a corner
@@ -59,14 +63,39 @@ def corners(x: Array, turns: Integers, noise: float) -> Array:
     return through
 
 
+def middles(x: Array, turns: Integers) -> Integers:
+    """Return the samples at which cycles begin, and the last one ends, (cycles + 1,): x passes its middle there in the
+    direction in which it first does, from rest or not.
+
+    The middle is that between two reversals; the median of three neighbours follows a mean that drifts, and not an
+    amplitude that grows.
+    """
+    from scipy.ndimage import median_filter  # slow to import
+
+    if turns.size < 2:
+        return turns[:0]
+    low, high = np.sort([x[turns[1:]], x[turns[:-1]]], axis=0)
+    middle = np.clip(median_filter(0.5 * (low + high), 3, mode="nearest"), low, high)
+    between = [np.arange(*of) for of in itertools.pairwise(turns.tolist())]
+    paths = [np.arange(turns[0], -1, -1), *between, np.arange(turns[-1], x.size)]
+    passes = list[int]()
+    for path, level in zip(paths, middle[[0, *range(middle.size), -1]], strict=True):
+        ahead = np.sign(x[path[0]] - level) * (x[path] - level)
+        nearest = float(ahead.min())
+        if nearest <= _NEAR_MIDDLE * ahead[0]:
+            passes.append(int(path[np.argmax(ahead <= max(nearest, 0.0))]))
+    return np.array(passes[::2], dtype=int)
+
+
 @dataclass(frozen=True, eq=False)
 class Loop:
     """A record of force and displacement, ready for the fit.
 
-    t : s.   x : displacement, smoothed where it is noisy, m.   through : that of corners between samples, m.   v :
-    velocity, m/s.   f : force, N, its sign such that energy is lost.   cycle : number of the cycle of each sample; −1
-    outside of those that are fitted.   N : normal force, N, where it was measured.   load : friction force of the
-    record over that of all, as the normal force makes it.
+    t : s; numbers of the samples where `timed` is false.   x : displacement, smoothed where it is noisy, m.   through :
+    that of corners between samples, m.   v : velocity, m/s.   f : force, N, its sign such that energy is lost.
+    cycle : number of the cycle of each sample; −1 outside of them.   first : number of the first one in the record.
+    N : normal force, N, where it was measured.   load : friction force of the record over that of all, as the normal
+    force makes it.
     """
 
     name: str
@@ -79,47 +108,66 @@ class Loop:
     flipped: bool = False
     N: Array | None = None
     load: float = 1.0
+    timed: bool = True
+    first: int = 1
 
     @classmethod
-    def of(cls, name: str, t: Array, x: Array, f: Array, missing: Mask | None = None) -> Loop:
+    def of(
+        cls,
+        name: str,
+        t: Array,
+        x: Array,
+        f: Array,
+        missing: Mask | None = None,
+        *,
+        timed: bool = True,
+        skipped: int = 0,
+    ) -> Loop:
         """Return the loop of samples in equal steps, without the cycles with samples that are missing.
 
-        Raises ValueError for too few cycles.
+        skipped : cycles left out at the start.
+
+        Raises ValueError where no cycle is left.
         """
         from scipy.signal import savgol_filter  # slow to import
 
         third = np.diff(x, 3)  # σ√20 of white noise
         noise = 1.4826 * float(np.median(np.abs(third - np.median(third)))) / math.sqrt(20.0)
-        least = _SWING * float(np.ptp(x))
-        turns = turning_points(x, least)
-        minima = turns[int(x[turns[0]] > x[turns[1]]) :: 2] if turns.size > 2 else turns[:0]
-        if minima.size < FEWEST_CYCLES + 2:
+        turns = turning_points(x, _SWING * float(np.ptp(x)))
+        begins = middles(x, turns)
+        if begins.size < 2 + skipped:
             raise ValueError(
-                f"{name}: the displacement makes {max(minima.size - 1, 0)} cycles between reversals, and "
-                f"{FEWEST_CYCLES + 1} are needed at least: a contact shows its stiffness after a reversal, and its "
-                "scatter from cycle to cycle"
+                f"{name}: the displacement makes {max(begins.size - 1, 0)} complete cycles, to one side, to the other "
+                f"and back, and {1 + skipped} are needed at least"
             )
-        period = float(np.median(np.diff(minima)))
+        period = float(np.median(np.diff(begins)))
         smooth, smooth_v = (2 * int(period / of / 2) + 1 for of in (_OF_PERIOD, _OF_PERIOD_V))
         v = np.gradient(x, t)
         if smooth_v > 3:
             v = savgol_filter(x, smooth_v, 3, deriv=1, delta=(t[-1] - t[0]) / (t.size - 1))
         if noise > _SMOOTHED * np.ptp(x) and smooth > 3:
             x = savgol_filter(x, smooth, 3)
-        cycle = np.searchsorted(minima[1:], np.arange(x.size), side="right") - 1
-        cycle[minima[-1] :] = -1
+        cycle = np.searchsorted(begins[skipped:], np.arange(x.size), side="right") - 1
+        cycle[begins[-1] :] = -1
         if missing is not None:
             cycle[np.isin(cycle, cycle[missing])] = -1
             left = np.unique(cycle[cycle >= 0])
-            if left.size < FEWEST_CYCLES:
-                raise ValueError(
-                    f"{name}: {left.size} cycles have no missing samples, and {FEWEST_CYCLES} are needed at least"
-                )
+            if not left.size:
+                raise ValueError(f"{name}: samples are missing in each of its cycles")
             cycle = np.where(cycle < 0, -1, np.searchsorted(left, cycle))
-        loop = cls(name, t, x, corners(x, turns, noise), np.asarray(v), f, cycle)
-        lost = loop.lost
-        gains = lost.mean() < -_CERTAIN * lost.std(ddof=1) / math.sqrt(lost.size)
+        smoothed = x, corners(x, turns, noise), np.asarray(v)
+        loop = cls(name, t, *smoothed, f, cycle, timed=timed, first=skipped + 1)
+        lost = loop.lost / loop.amplitudes
+        scatter = lost.std(ddof=1) / math.sqrt(lost.size) if lost.size > 1 else 0.0
+        gains = lost.mean() < -_CERTAIN * scatter
         return replace(loop, f=-f, flipped=True) if gains else loop
+
+    def settled(self) -> Loop:
+        """Return the loop without its first cycle if that is the first of the record: what its contact held before is
+        not known."""
+        if self.first > 1:
+            return self
+        return replace(self, cycle=np.maximum(self.cycle - 1, -1), first=2)
 
     @cached_property
     def cycles(self) -> int:
@@ -169,22 +217,27 @@ class Loop:
         return self._reduced(np.add, values) / [own.stop - own.start for own in self.slices]
 
     def by_cycle(self, values: Array) -> Array:
-        """Return ∮ values dx of each cycle, (cycles,)."""
-        pieces = np.append(0.5 * (values[1:] + values[:-1]) * np.diff(self.x), 0.0)
-        return self._reduced(np.add, pieces)
+        """Return ∮ values dx of each cycle, closed by a straight line from its last sample to its first, (cycles,)."""
+        x, values, after = self.x[self.own], values[self.own], np.arange(1, self.own.size + 1)
+        after[[own.stop - 1 for own in self.slices]] = [own.start for own in self.slices]
+        pieces = 0.5 * (values[after] + values) * (x[after] - x)
+        return np.asarray(np.add.reduceat(pieces, [own.start for own in self.slices]))
 
     @cached_property
     def lost(self) -> Array:
-        """Energy lost in each cycle, ∮ f dx without the drift of the force, J."""
-        t, f = self.t[self.own], self.f[self.own]
-        return self.by_cycle(self.f - np.polyval(np.polyfit(t, f, 1), self.t))
+        """Energy lost in each cycle, ∮ f dx, J."""
+        return self.by_cycle(self.f)
 
-    @property
-    def closed(self) -> Mask:
-        """Which cycles end where they began, by a part of their amplitude."""
-        x = self.x[self.own]
-        ends = np.array([x[own.stop - 1] - x[own.start] for own in self.slices])
-        return np.asarray(np.abs(ends) < 2.0 * _CLOSED * self.amplitudes)
+    @cached_property
+    def peaks(self) -> Array:
+        """Largest and smallest displacement of each cycle, m, and the force on the way to each, N, (cycles, 4)."""
+        peaks = []
+        for own, X in zip(self.slices, self.amplitudes, strict=True):
+            x, f = self.x[self.own[own]], self.f[self.own[own]]
+            ends = [int(x.argmax()), int(x.argmin())]
+            near = [np.abs(x[: end + 1] - x[end]) <= _NEAR_PEAK * X for end in ends]
+            peaks.append([*x[ends], *(f[: of.size][of].mean() for of in near)])
+        return np.array(peaks)
 
     @cached_property
     def amplitudes(self) -> Array:

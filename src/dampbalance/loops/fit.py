@@ -50,6 +50,7 @@ _P_SIMPLER = 0.01
 _P_EXTENDED = 0.002  # for five extensions, each of which may win by chance
 _LESS = 0.05  # of the sum of squares: an extension that takes less does not matter, however certain it is
 _P_CONSTANT = 0.001  # for three laws of speed of a contact of many sliders
+_APART = 100  # part of a cycle, from which on samples of noise are independent
 _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
 
 _UNEXTENDED = {"g": 0.0, "fall": 0.0, "v_S": 0.3, "n": math.inf}
@@ -134,6 +135,28 @@ class LoopFit:
         """Root mean square of the residual, N."""
         return math.sqrt(self.total / sum(model.size for model in self.models))
 
+    @property
+    def beyond_noise(self) -> float:
+        """Root mean square of what of the residual is certainly no white noise, N: samples a hundredth of a cycle apart
+        share it."""
+        design = self.design
+        left = design.force - np.concatenate(self.models)
+        apart = max(1, left.size // (int(design.cycle.max()) + 1) // _APART)
+        same = design.cycle[apart:] == design.cycle[:-apart]
+        shared = float(np.mean((left[apart:] * left[:-apart])[same]))
+        return math.sqrt(max(0.0, shared - 2.0 * self.rms**2 / math.sqrt(left.size)))
+
+    @property
+    def wrong_loss(self) -> float:
+        """Root mean square of the difference of the energy that the fit loses in a cycle from that of the loop, over
+        the latter, without what white noise makes of it."""
+        noise, loops = self.rms**2 - self.beyond_noise**2, self.design.loops
+        off = [lost(loop, self.contact, self.linear) - loop.lost for loop in loops]
+        chance = noise * math.fsum(np.sum(np.gradient(of.x)[of.own] ** 2) for of in loops)
+        measured = np.concatenate([loop.lost for loop in loops])
+        wrong = float(np.sum(np.concatenate(off) ** 2)) - chance
+        return math.sqrt(max(0.0, wrong) / float(np.sum(measured**2)))
+
     def residual(self, loop: Loop, drift: float) -> Array:
         """Return the residual of any cycles of the record that a loop of the fit is from, to an offset of each, N.
 
@@ -170,7 +193,7 @@ class Design:
 
     def __init__(self, loops: Sequence[Loop]) -> None:
         """Stack the cycles of the loops."""
-        self.loops = loops
+        self.loops, self.timed = loops, all(loop.timed for loop in loops)
         self.inside = [loop.cycle >= 0 for loop in loops]
         first = np.cumsum([0, *(loop.cycles for loop in loops)])
         pairs = zip(loops, first, strict=False)
@@ -216,13 +239,13 @@ class Design:
 
     @cached_property
     def with_c(self) -> bool:
-        """Whether the speed between reversals varies so much, within or between loops, that c is told from friction."""
+        """Whether the speed between reversals is known, and varies so much that c is told from friction."""
         speeds = []
         for loop, own in zip(self.loops, self.inside, strict=True):
             x = loop.x[own] - loop.x[own].mean()
             speeds.append(np.abs(loop.v[own][np.abs(x) < _BETWEEN * loop.amplitudes.max()]))
         low, middle, high = np.percentile(np.concatenate(speeds), (25.0, 50.0, 75.0))
-        return bool(high - low > _STEADY * middle)
+        return self.timed and bool(high - low > _STEADY * middle)
 
     @cached_property
     def extensions(self) -> tuple[str, ...]:
@@ -235,7 +258,7 @@ class Design:
             return float(rest @ rest) > _INDEPENDENT**2 * float(y @ y)
 
         curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
-        inertia = independent(self.motions["m"], self.base)
+        inertia = self.timed and independent(self.motions["m"], self.base)
         open_to = {"gap": True, "fall": curved, "knee": True, "c_2": curved, "m": inertia}
         return tuple(name for name in EXTENSIONS if open_to[name])
 
@@ -367,6 +390,7 @@ def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
             i
             for i, of in enumerate(fits)
             if min(of.values[s] for s in ("F_k", "F_S", "c_2", "m") if s in of.values) > 0.0
+            and slips(of) >= slips(fit)
             and of.total < (1.0 - _LESS) * fit.total
             and predicts_better(of, fit, _P_EXTENDED)
         ]

@@ -1,4 +1,5 @@
-"""Pictures of measured loops: force against displacement with the contact fitted, loss, and history of the cycles."""
+"""Pictures of measured loops: force against displacement with the contact fitted and the backbone, loss and stiffness
+over the amplitude, and history of the cycles."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from matplotlib.figure import Figure
 from scipy.stats import t as student
 
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
+from ..identification.level import Level
 from ..records.coordinate import Coordinate
 from .cycles import Loop
 from .fit import LoopFit
@@ -24,46 +26,68 @@ _COLOURS = (SLIP, STICK, "0.3", "0.6")  # of records, in turn
 
 
 @styled()
-def loops(loops: Sequence[Loop], fit: LoopFit, of: Coordinate) -> Figure:
-    """Return the force against displacement: samples (grey), and the contact fitted to each record, at its median
-    amplitude; below, the residual of that cycle."""
-    figure = page(DOUBLE_COLUMN, 122.0)
-    axes, below = place(figure, 22.0, 50.0, 150.0, 66.0), place(figure, 22.0, 20.0, 150.0, 24.0)
-    for number, (loop, model) in enumerate(zip(loops, fit.models, strict=True)):
-        own = loop.cycle >= 0
-        labels = (None, None) if number else ("measured", "contact fitted")
-        x, f = 1e3 * loop.x[own], loop.f[own]
-        axes.plot(x, f, ".", color="0.6", markersize=1.5, label=labels[0])
-        typical = loop.cycle[own] == np.argsort(loop.amplitudes)[loop.cycles // 2]
-        axes.plot(x[typical], model[typical], color=SLIP, label=labels[1])
-        below.plot(x[typical], (f - model)[typical], color=SLIP, linewidth=0.6)
+def loops(
+    loops: Sequence[Loop], fit: LoopFit | None, levels: Sequence[Level], of: Coordinate
+) -> Figure:
+    """Return the force against displacement: samples (grey), the force at the largest displacements of each level
+    (dots: the backbone), and the contact fitted to each record, at its median amplitude; below, the residual of that
+    cycle."""
+    figure = page(DOUBLE_COLUMN, 122.0 if fit else 96.0)
+    axes = place(figure, 22.0, 50.0 if fit else 24.0, 150.0, 66.0)
+    for loop in loops:
+        axes.plot(1e3 * loop.x[loop.own], loop.f[loop.own], ".", color="0.6", markersize=1.5)
+    for name in dict.fromkeys(level.name for level in levels):
+        for end in ("smallest_displacement", "largest_displacement"):
+            own = [level.more for level in levels if level.name == name]
+            X, F = ([one[key] for one in own] for key in (f"{end}_m", f"force_at_{end}_N"))
+            axes.plot(1e3 * np.array(X), F, "o-", color=STICK, markersize=3.0, linewidth=0.8)
+    axes.lines[0].set_label("measured")
+    axes.lines[-1].set_label("backbone")
     N, mm = map(of.unit, ("N", "mm"))
-    axes.set(ylabel=f"{of.noun('force')} ({N})", xticklabels=[])
-    below.set(xlabel=f"{of.noun('displacement')} ({mm})", ylabel=f"residual ({N})")
-    below.set(xlim=axes.get_xlim())
+    lowest = place(figure, 22.0, 20.0, 150.0, 24.0) if fit else axes
+    for loop, model in zip(fit.design.loops if fit else (), fit.models if fit else (), strict=True):
+        typical = loop.cycle[loop.own] == np.argsort(loop.amplitudes)[loop.cycles // 2]
+        x, f = 1e3 * loop.x[loop.own], loop.f[loop.own]
+        axes.plot(x[typical], model[typical], color=SLIP)
+        lowest.plot(x[typical], (f - model)[typical], color=SLIP, linewidth=0.6)
+    if fit:
+        axes.lines[-1].set_label("contact fitted")
+        axes.tick_params(labelbottom=False)
+        lowest.set(xlim=axes.get_xlim(), ylabel=f"residual ({N})")
+    axes.set_ylabel(f"{of.noun('force')} ({N})")
+    lowest.set_xlabel(f"{of.noun('displacement')} ({mm})")
     return explained(figure, [(axes, axes)], scale=1.0)
 
 
 @styled()
-def loss(loops: Sequence[Loop], fit: LoopFit, of: Coordinate) -> Figure:
-    """Return the energy lost per cycle against the amplitude: each cycle (dots), and the contact fitted, with its band
-    of 95 %, for a motion like that of each record."""
-    figure = page(DOUBLE_COLUMN, 82.0)
-    axes = place(figure, 22.0, 20.0, 150.0, 56.0)
-    reach = float(student.ppf(0.975, fit.freedom))
-    X = np.linspace(0.0, 1.1 * max(float(loop.amplitudes.max()) for loop in loops), 40)[1:]
-    size, unit = (1.0, "J") if loops[0].lost.mean() > 1.0 else (1e3, "mJ")
-    for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
-        W, error = fit.loss(loop, X)
-        measured = 1e3 * loop.amplitudes[loop.closed], size * loop.lost[loop.closed]
-        axes.plot(*measured, "o", color=colour, markersize=3.0)
-        axes.plot(1e3 * X, size * W, color=colour, label=Path(loop.name).name)
-        band = size * (W - reach * error), size * (W + reach * error)
-        axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
-    axes.set(
-        xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=f"energy lost per cycle, $W$ ({unit})"
-    )
-    axes.set(xlim=(0.0, None), ylim=(0.0, None))
+def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Coordinate) -> Figure:
+    """Return W/(4X), the secant stiffness and the equivalent damping ratio of each cycle against its amplitude (dots);
+    and W/(4X) of the contact fitted, if any, with its band of 95 %, for a motion like that of each record.
+
+    table : the history of the cycles.
+    """
+    figure = page(DOUBLE_COLUMN, 62.0)
+    X = np.linspace(0.0, 1.1 * float(table["X_m"].max()), 40)[1:]
+    for left, column, size, label in (
+        (15.0, "W_over_4X_N", 1.0, f"$W/(4X)$ ({of.unit('N')})"),
+        (74.0, "secant_stiffness_N_per_m", 1e-3, f"$k_s$ ({of.unit('N/mm')})"),
+        (133.0, "equivalent_damping_ratio", 100.0, "$\\zeta_\\mathrm{eq}$ (%)"),
+    ):
+        axes = place(figure, left, 22.0, 42.0, 36.0)
+        for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
+            own = table[table["record"] == loop.name]
+            name = Path(loop.name).name
+            axes.plot(1e3 * own["X_m"], size * own[column], "o", color=colour, ms=3.0, label=name)
+            if fit and column == "W_over_4X_N":
+                W, error = fit.loss(loop, X)
+                reach = float(student.ppf(0.975, fit.freedom)) * error
+                axes.plot(1e3 * X, W / (4.0 * X), color=colour)
+                band = (W - reach) / (4.0 * X), (W + reach) / (4.0 * X)
+                axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
+        axes.margins(0.06)
+        axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
+        axes.set(xlim=(0.0, None), ylim=(0.0, None))
+        axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
     return explained(figure, [(axes, axes)], scale=1.0)
 
 

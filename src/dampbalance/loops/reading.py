@@ -19,11 +19,11 @@ _CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
 
 
 def read_loops(
-    records: Sequence[Record], series: float | None
+    records: Sequence[Record], series: float | None, skipped: int
 ) -> tuple[tuple[Loop, ...], tuple[float, float] | None, list[Finding]]:
     """Return the loops of records, the mean normal force with its standard uncertainty, N, where all of them have one,
-    and what is odd about the records.   series : stiffness of the fixture, N/m."""
-    loops, cuts = zip(*[_loop(record, series) for record in records], strict=True)
+    and what is odd about the records.   series : stiffness of the fixture, N/m.   skipped : cycles left out of each."""
+    loops, cuts = zip(*[_loop(record, series, skipped) for record in records], strict=True)
     odd = [
         words.about(record.name)
         for record, cut in zip(records, cuts, strict=True)
@@ -48,18 +48,19 @@ def _loaded(
         )
     off = np.concatenate([of / of.mean() for of in cycles])
     gain = max(correction_of(record, "normal_force").gain_error for record in records)
-    error = N * math.hypot(float(off.std(ddof=1)) / math.sqrt(off.size), gain)
+    scatter = float(off.std(ddof=1)) / math.sqrt(off.size) if off.size > 1 else 0.0
+    error = N * math.hypot(scatter, gain)
     loaded = (
         replace(loop, load=float(of.mean()) / N) for loop, of in zip(loops, cycles, strict=True)
     )
     return tuple(loaded), (N, error)
 
 
-def _loop(record: Record, series: float | None) -> tuple[Loop, list[Finding]]:
+def _loop(record: Record, series: float | None, skipped: int) -> tuple[Loop, list[Finding]]:
     """Return the loop of a record, in the time in which all its channels are recorded, and a finding on time that is
-    cut off.   series : stiffness of the fixture, N/m."""
+    cut off.   series : stiffness of the fixture, N/m.   skipped : cycles left out at its start."""
     channels = record.corrected()
-    moving = [q for q in ("displacement", "velocity") if q in record.quantities]
+    moving = [q for q in ("displacement", "velocity")[: 1 + record.timed] if q in record.quantities]
     if "force" not in record.quantities or not moving:
         raise ValueError(
             f"{record.name} has {listed([*record.quantities])}: a measured loop needs the force and the displacement "
@@ -89,6 +90,7 @@ def _loop(record: Record, series: float | None) -> tuple[Loop, list[Finding]]:
         x = x - way * (f - f.mean()) / series
     N = channels["normal_force"] if "normal_force" in record.quantities else None
     gaps = [np.interp(t, of.t, of.missing) > 0.0 for of in used if of.missing is not None]
-    loop = Loop.of(record.name, t, x, f, np.any(gaps, axis=0) if gaps else None)
+    missing = np.any(gaps, axis=0) if gaps else None
+    loop = Loop.of(record.name, t, x, f, missing, timed=record.timed, skipped=skipped)
     pressed = None if N is None else np.abs(np.interp(t, N.t, N.values))
     return replace(loop, N=pressed), cut

@@ -113,6 +113,9 @@ class _OfForced(TypedDict, total=False):
         "and whose mass is given", "ground")]
     fixture_mass: Annotated[float | str | None, Option(
         "mass between a load cell and the vibrating mass", None, NUMBERS["m"])]
+
+
+class _OfForcedOrLoops(TypedDict, total=False):
     skip_cycles: Annotated[int, Option(
         "cycles left out at the start of each record, where the motion has not settled", 0, Bounds("", 0, 1_000_000))]
 
@@ -147,7 +150,9 @@ class _OfLoops(TypedDict, total=False):
 # fmt: on
 
 
-class ForcedOptions(_OfOscillator, _OfForced, _OfForcedOrDecays, _OfForcedOrSteppedSine):
+class ForcedOptions(
+    _OfOscillator, _OfForced, _OfForcedOrLoops, _OfForcedOrDecays, _OfForcedOrSteppedSine
+):
     """Options of `identify_forced`."""
 
 
@@ -159,7 +164,7 @@ class SteppedSineOptions(_OfOscillator, _OfForcedOrSteppedSine, _OfSteppedSine):
     """Options of `identify_joint`."""
 
 
-class LoopOptions(_OfLoops):
+class LoopOptions(_OfForcedOrLoops, _OfLoops):
     """Options of `identify_loops`."""
 
 

@@ -77,6 +77,11 @@ class Correction:
     gain_error: float = 0.0
     delay_error: float = 0.0
 
+    @property
+    def of_time(self) -> bool:
+        """Whether it is more than a gain."""
+        return bool(self.delay or self.delay_error or self.low_pass or self.high_pass)
+
     def response(self, omega: ArrayLike) -> Complexes:
         """Return H(iω) at any ω, rad/s; where a high-pass filter lets nothing through (ω = 0), without it."""
         s = 1j * np.asarray(omega, dtype=np.float64)
@@ -114,6 +119,7 @@ class Channel:
     name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
     coordinate : whether it rotates; its values are in rad or N m then.
     missing : mask of the samples that the record lacks, whose values are interpolated; None for none.
+    timed : whether t are times; else numbers of the samples, of a measured loop without times.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
     bounds (`records/errors.py`), times that do not increase, have a gap, or are off equal steps by half a step.
@@ -126,6 +132,7 @@ class Channel:
     correction: Correction | None = None
     coordinate: Coordinate = TRANSLATION
     missing: Mask | None = None
+    timed: bool = True
 
     def __post_init__(self) -> None:
         text("the name of a channel", self.name)

@@ -20,6 +20,7 @@ _UNIT_IN_KEY = re.compile(
     r"_(N_s_per_m|N_s2_per_m2|N_s3_per_m3|N_per_m[23]?|N|kg|m_per_s2?|m2_per_s|m3_per_s2|m4_per_s3|m)$"
 )
 _FRICTION = re.compile(r"(?<![A-Za-z])F_k(?![A-Za-z])")
+_FORCES = ("F_k", "F+", "F−")
 _NOUNS = {
     "displacement": "angle",
     "displacements": "angles",
@@ -52,7 +53,7 @@ class Coordinate:
         """Return the symbol of a number: T_k for F_k, J for m."""
         if self == TRANSLATION:
             return symbol
-        return "J" if symbol == "m" else f"T{symbol[1:]}" if symbol.startswith("F_k") else symbol
+        return "J" if symbol == "m" else f"T{symbol[1:]}" if symbol.startswith(_FORCES) else symbol
 
     def noun(self, noun: str) -> str:
         """Return a noun, or the name of a quantity: angle for displacement, base_angle for base_displacement; anything

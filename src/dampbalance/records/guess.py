@@ -1,28 +1,43 @@
-"""What the columns of a table may hold, each with a reason, by heading, unit and samples.
+"""What the columns of a table hold, each with a reason, by heading, unit and samples.
 
-A record is read where the guesses are certain and no two columns compete. Where they are not, the same guesses are the
-mapping that a refusal shows and that `--write-mapping` writes.
+A record is read where nothing is left to ask. Otherwise the same guesses are the mapping that a refusal shows and that
+`--write-mapping` writes: what nothing tells, a drive, a unit, a rate, stands there as a blank to be filled in.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
 import warnings
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..arrays import Array
-from ..project.wording import shortened
-from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, require_one_coordinate
+from ..findings.finding import Finding
+from ..project.wording import listed, shortened
+from . import samples
+from .channel import (
+    ABSOLUTE,
+    ACCOMPANYING,
+    EXCITATIONS,
+    ORDERS,
+    QUANTITIES,
+    RESPONSES,
+    require_one_coordinate,
+)
+from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
+    AXES,
     STANDARD_ERROR,
+    TURNING,
     WORDS,
+    axis_of,
     by_unit,
     column_of,
     coordinate_of,
@@ -37,117 +52,78 @@ from .headings import (
     without_number,
     words_of,
 )
-from .mapping import RecordMapping, Which
+from .mapping import BLANK, ChannelRule, RecordMapping, Which
 from .table import Table
 from .units import (
     DIMENSIONS,
     PER_FORCE,
+    SI,
     TABLE_DIMENSIONS,
+    UNITS,
+    VOLTAGE,
+    UnitError,
     find_motion,
     find_other,
     find_unit,
+    unit_for,
 )
 
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _ROUNDING = 1e-3  # relative, of the absolute value of three axes
-_FEWEST = 4  # samples of which it shows that they rise in equal steps
-_ROUNDED = 0.6  # steps; times with too few digits are off by less
 _TRIED = 20  # columns that are read one by one where some column holds a text
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _LONGEST = 60  # characters of a name; a column with a longer one is called by its number
-_TURNS = 2.0 * math.pi  # half the range of phases: more is in degrees, less in rad
-_IN_MM = 0.05  # half the range of a displacement: more is in mm, less in m
-# least step in each unit, as nothing is sampled at less than 20 Hz
-_TIME_UNITS = {"µs": 50.0, "ms": 0.05, "s": 0.0}
-_BY_NAME, _BY_UNIT = "by its name", "by its unit"
+_TURNS = 6.3  # rad, of an angle: more is in degrees
+_SAME = 0.05  # relative: of gravity or of a slope, which tell a unit
+_KILOHERTZ, _HALF_TURN = 1000.0, 181.0  # what a frequency response goes up to, and its phase, deg
+_BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its unit"
 _BY_NOTHING = "neither name nor unit says what it is"
-_FIRST = "; taken as the drive, as it comes first"
-_RESPONSE_OF = {"base_displacement": "displacement", "base_acceleration": "acceleration"}
-_MOTIONS = {word for quantity in ABSOLUTE for word in WORDS[quantity].split()}
+_LEVELS = (_BY_NAME, _BY_A_WORD, BY_UNIT, _BY_NOTHING)
+_OF_MASS = {*WORDS["mass"].split()}
+_ROLES = EXCITATIONS, RESPONSES
+_TAKEN = "other channels are taken for drive and response"
+_RESPONSE = (
+    "this is a frequency response, with frequency, magnitude and phase: give the records in time, or a table of a "
+    "stepped sine with the amplitudes of drive and response at each level"
+)
+_ONE = 0.1  # relative: a derivative, by its units
+_GRAVITY = 9.80665  # m/s²
+_OF_LOOP = "displacement", "force"
+_GOES_ROUND = "a guess: the two columns go round as the loop of a contact does"
+_DECAYS = "the motion dies out, and nothing names it the drive"
 _DRIVES = (*EXCITATIONS, "base_velocity")
 _RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
-_UNITS = {
-    **QUANTITIES,
-    **{"frequency": "Hz", "phase": "rad", "base_velocity": "m/s"},
-    **{"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s²/N"},
-}
 _KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes force_N"
 """Keys of a mapping that stay in the one suggested."""
 
 
-CERTAIN, LIKELY, POSSIBLE, UNSAID, AGAINST_ITS_UNIT = range(5)
-"""How sure a guess is: by a whole name, or as no other column can be it; by part of a name; by its unit; by nothing;
-by a name that the unit contradicts."""
-
-
 @dataclass(frozen=True, slots=True)
 class Guess:
-    """What a column may hold.
+    """What a column holds.
 
     quantity : of `QUANTITIES` or `TABLE_DIMENSIONS`; "" for nothing that is read.   reason : what says so, in words.
-    doubt : CERTAIN, …; a record is read by guesses that are certain.
+    unit : as it is read; "" where nothing tells it.   may : what it may hold, where that is asked for.
+    said : what the reader is told of it.
     """
 
     quantity: str
     reason: str
-    doubt: int = CERTAIN
-
-
-class Samples:
-    """The samples of each column (`values`), or none of one that cannot be read.
-
-    aside : columns that are no motion and no force, by name, unit or samples, with what they are instead.
-    rising : those of them that rise in equal steps and are no counters.
-    """
-
-    def __init__(self, file: Table) -> None:
-        everything = range(len(file.channels))
-        self.values = _samples(file, everything)
-        for i in () if self.values else everything[:_TRIED]:  # a text in some column
-            self.values |= _samples(file, [i]) or {i: np.empty(0)}
-        self.aside: dict[int, str] = {}
-        self.rising: list[int] = []
-        for i, values in self.values.items():
-            raw, finite = file.channels[i], values[np.isfinite(values)]
-            if (other := unusable(raw)) or not values.size:
-                self.aside[i] = other or "it does not hold numbers"
-            elif holds_time(raw) or finite.size < _FEWEST:
-                continue
-            elif not np.ptp(finite):
-                self.aside[i] = f"constant, {finite[0]:g}"
-            elif (step := _equal_step(finite)) is not None:
-                counts = step == 1.0 and not np.any(finite % 1.0)
-                kind = "a counter" if counts else "a time"
-                self.aside[i] = f"rises by {step:.6g} from sample to sample: {kind}"
-                self.rising += [i] * (not counts)
-
-
-def _samples(file: Table, wanted: Sequence[int]) -> dict[int, Array]:
-    """Return the samples of some columns; nothing where they cannot be read."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
-        try:
-            return file.columns(wanted)
-        except RecordError:
-            return {}
-
-
-def _equal_step(values: Array) -> float | None:
-    """Return the step of values that rise in equal steps, as times and counters do; None for others."""
-    if values.size < _FEWEST:
-        return None
-    line = np.linspace(values[0], values[-1], values.size)
-    step = float(line[1] - line[0])
-    rises = step > 0.0 and np.diff(values).min() >= 0.0
-    return step if rises and np.abs(values - line).max() < _ROUNDED * step else None
+    unit: str = ""
+    may: tuple[str, ...] = ()
+    said: Finding | None = None
 
 
 def first_of(names: Sequence[str]) -> str:
     """Return names in a row, the first 20 of them."""
     more = len(names) - LISTED
     return ", ".join(names[:LISTED]) + f" and {more} more" * (more > 0)
+
+
+def is_loop(quantities: Iterable[str]) -> bool:
+    """Return whether a record of these quantities is a measured loop, which needs no times."""
+    return {*_OF_LOOP} <= {*quantities} <= {*_OF_LOOP, "velocity", *ACCOMPANYING}
 
 
 class Guesses:
@@ -169,44 +145,38 @@ class Guesses:
         self.names = [shortened(full_name(raw)) for raw in self.channels]
         self.overview = first_of([f"{i} {name}" for i, name in enumerate(self.names, 1)]) or "none"
 
-    @cached_property
-    def samples(self) -> Samples:
-        """The samples of the columns: needed where their names do not suffice."""
-        return Samples(self.file)
+    # --- what is known of each column ------------------------------------------------------------------------------
 
     @cached_property
-    def axes(self) -> dict[int, str]:
-        """The channels of the one accelerometer of three axes, x, y and z, and their absolute value: why each is not
-        read, or "" for the axis with the most motion, by its standard deviation. Nothing where there is none."""
-        groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
-        ours = {i: raw for i, raw in enumerate(self.channels) if by_unit(raw) == "acceleration"}
-        for i, raw in ours.items():
-            name = raw.name.lower()
-            for axis in re.finditer("[xyz]", name):
-                group = name[: axis.start()], name[axis.end() :], raw.unit
-                groups.setdefault(group, {})[axis[0]] = i
-        threes = [{*of.values()} for of in groups.values() if len(of) == len("xyz")]
-        if len(threes) != 1 or not all(self.samples.values[i].size for i in threes[0]):
-            return {}
-        values = self.samples.values
-        most = max(threes[0], key=lambda i: float(np.nanstd(values[i])))
-        why = dict.fromkeys(threes[0], f"it moves less than {shortened(self.channels[most].name)}")
-        total = np.sqrt(np.sum(np.square([values[i] for i in threes[0]]), axis=0))
-        for i in ours.keys() - why.keys():
-            near = values[i].size and np.allclose(values[i], total, rtol=_ROUNDING, equal_nan=True)
-            if near or self._words(i) & {*_OF_AXES.split()}:
-                why[i] = "the absolute value of three axes"
-        return why | {most: ""}
-
-    def _words(self, i: int) -> set[str]:
-        """The words of the heading of a column."""
-        return {*words_of(self.channels[i].name)}
+    def values(self) -> dict[int, Array]:
+        """The samples of each column, none of one that cannot be read: needed where names do not suffice."""
+        everything = range(len(self.channels))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
+            try:
+                return self.file.columns(everything)
+            except RecordError:
+                held = dict.fromkeys(everything, np.empty(0))
+            for i in everything[:_TRIED]:  # a text in some column
+                try:
+                    held |= self.file.columns([i])
+                except RecordError:
+                    continue
+            return held
 
     @cached_property
     def times(self) -> list[int]:
-        """The columns of times: by their names; where no name says it, by their units."""
+        """The columns of times: by the mapping, by their names, by their units, or as they alone rise evenly."""
+        if self.mapping.time is not None:
+            return self.find(self.mapping.time, "time.channel")
         named = [i for i, raw in enumerate(self.channels) if names_time(raw)]
-        return named or [i for i, raw in enumerate(self.channels) if holds_time(raw)]
+        named = named or [i for i, raw in enumerate(self.channels) if holds_time(raw)]
+        known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
+        if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
+            return named
+        others = [i for i, raw in enumerate(self.channels) if quantity_of(raw) is None]
+        rising = [i for i in others if samples.equal_step(self.values[i]) is not None]
+        return [i for i in rising if not samples.counts(self.values[i])]
 
     def time_of(self, index: int) -> int | None:
         """Return the time channel of another: the one named after it, else the nearest before it, else the first."""
@@ -215,6 +185,24 @@ class Guesses:
         named = [i for i, name in enumerate(self.keys) if name in own]
         before = [i for i in self.times if i < index]
         return next(iter(named or before[-1:] or self.times), None)
+
+    def unit_of_time(self, index: int) -> str | None:
+        """Return the unit of a time channel: without one, seconds if it counts in parts of one."""
+        if (text := self.mapping.time_unit or unit_of(self.channels[index])) is not None:
+            return text
+        values = self.values[index]
+        steps = np.diff(values[np.isfinite(values)])
+        return "s" if steps.size and 0.0 < np.median(np.abs(steps)) < 1.0 else None
+
+    def _step(self, index: int) -> float:
+        """Return the sampling interval of a column, s; NaN where it is not known."""
+        if rate := self.mapping.sample_rate_hz or self.channels[index].rate_hz:
+            return 1.0 / rate
+        time = self.time_of(index)
+        unit = None if time is None else find_unit(self.unit_of_time(time) or "")
+        if time is None or unit is None or unit.dimension != "time" or self.values[time].size < 2:
+            return math.nan
+        return float(np.nanmedian(np.diff(self.values[time]))) * unit.factor
 
     def find(self, which: Which, key: str) -> list[int]:
         """Return the column with a name or number; of a table of steady responses, those of all levels.   key : of the
@@ -237,250 +225,468 @@ class Guesses:
                 return found
         raise RecordError(f"{at} {path} has no channel {shortened(which)}; it has {self.overview}")
 
-    def spare(self, used: Collection[int]) -> list[int]:
-        """Return the channels that are not used and may hold a motion or a force: no time, no temperature, no counter,
-        nothing constant."""
-        left = [i for i, raw in enumerate(self.channels) if i not in used and not holds_time(raw)]
-        return [i for i in left if i not in self.samples.aside and not self.axes.get(i)]
-
-    def named(self, i: int) -> Guess | None:
-        """Return the guess that a heading gives, if its unit is not of another quantity."""
-        raw, unit = self.channels[i], by_unit(self.channels[i])
-        if i in self.axes:
-            return Guess("acceleration", _BY_NAME)
-        quantity = (whole := quantity_of(raw)) or quantity_of(raw, all_words=False)
-        fits = quantity and (unit is None or DIMENSIONS[unit] == DIMENSIONS[quantity])
-        return Guess(str(quantity), _BY_NAME, CERTAIN if whole else LIKELY) if fits else None
+    def _words(self, i: int) -> set[str]:
+        """The words of the heading of a column."""
+        return {*words_of(self.channels[i].name)}
 
     @cached_property
-    def certain(self) -> tuple[dict[int, Guess], str]:
-        """The guesses that are certain, by their channels. And which two channels compete for a quantity, if any.
-
-        A force is no response: where nothing that drives is named, the only other signal drives if it is in a unit of
-        force. Where something drives and no response is named, the only signal left with a motion, by name or unit, is
-        the response; so is the only signal of all, the record being a free decay.
-        """
-        names: dict[str, int] = {}
+    def axes(self) -> dict[int, str]:
+        """The channels of accelerometers and gyroscopes of several axes, x, y and z, and their absolute value: why each
+        is not read, or "" for the axis with the most motion, by its standard deviation."""
+        groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
         for i, raw in enumerate(self.channels):
-            quantity = None if holds_time(raw) or unusable(raw) else quantity_of(raw)
-            if i in self.axes:
-                quantity = None if self.axes[i] else "acceleration"
-            if self.mapping.free and WORDS["base_displacement"] in self._words(i):
-                quantity = None  # the other axis of a camera: no base moves in a free decay
-            if quantity and (other := names.setdefault(quantity, i)) != i:
-                self.require_one_coordinate([other, i])
-                both = [shortened(self.channels[at].name) for at in (other, i)]
-                return {}, f"takes both {' and '.join(both)} for {quantity}"
-        certain = {i: Guess(quantity, _BY_NAME) for quantity, i in names.items()}
-        answering, driving = (bool({*names} & {*of}) for of in (RESPONSES, EXCITATIONS))
-        if answering and driving:
-            return certain, ""
-        kinds = {coordinate_of(self.channels[i]) for i in certain}
-        others = self.spare(certain)
-        left = [i for i in others if not kinds or coordinate_of(self.channels[i]) in kinds]
-        if others and not left:
-            self.require_one_coordinate([*certain, *others])
-        units = {i: Guess(q, _BY_UNIT) for i in left if (q := by_unit(self.channels[i]))}
-        forces = [i for i, guess in units.items() if guess.quantity == "force"]
-        if not certain and len(left) == len(units) == 1 and not forces:
-            return units, ""
-        if not driving and len(forces) == 1 and len(left) == 2 - answering:
-            certain[forces[0]] = units[forces[0]]
-        may = {i: g for i in left if i not in forces and (g := self.named(i) or units.get(i))}
-        answers = {i: guess for i, guess in may.items() if guess.quantity in RESPONSES}
-        if (
-            len(answers) == 1
-            and not answering
-            and (self.mapping.free or (certain and len(may) == 1))
-        ):
-            certain |= answers
-        return certain, ""
+            for axis, before, behind in axis_of(raw.name):
+                groups.setdefault((before, behind, raw.unit), {})[axis] = i
+        why: dict[int, str] = {}
+        for (before, behind, unit), group in groups.items():
+            own, held = [*group.values()], [self.values[i] for i in group.values()]
+            named = by_unit(self.channels[own[0]]) or quantity_of(self.channels[own[0]])
+            if not named or len(own) < 2 or not all(of.size for of in held):
+                continue
+            spread = [float(np.nanstd(of)) for of in held]
+            most = int(np.argmax(spread))
+            if len(own) == 2 and not (before + behind and self._dies(own[most])):
+                continue  # x and y in mm are the mass and the base
+            other = f"an axis that moves less than {shortened(self.channels[own[most]].name)}"
+            why |= dict.fromkeys(own, other) | {own[most]: ""}
+            total = np.sqrt(np.sum(np.square(held), axis=0))
+            for i, raw in enumerate(self.channels):
+                of = self.values[i] if raw.unit == unit and i not in own else np.empty(0)
+                near = of.size == total.size and np.allclose(
+                    of, total, rtol=_ROUNDING, equal_nan=True
+                )
+                if near or (of.size and self._words(i) & {*_OF_AXES.split()}):
+                    why[i] = "the absolute value of several axes"
+        return why
 
-    def require_one_coordinate(self, channels: Collection[int]) -> None:
-        """Raise RecordError where some channels rotate and others move along a line."""
-        coordinates = {self.channels[i].name: coordinate_of(self.channels[i]) for i in channels}
-        require_one_coordinate(str(self.path), coordinates)
+    def _dies(self, i: int) -> bool:
+        """Return whether the record is of a decay, as one of its channels shows."""
+        return self.mapping.free or samples.dies_out(self.values[i])
+
+    # --- what each column holds ------------------------------------------------------------------------------------
 
     @cached_property
-    def draft(self) -> dict[int, Guess]:
-        """The guess for each column but times: the surest of a quantity, or of an excitation, that no other is taken
-        for."""
-        of = {i: self._of(i) for i, raw in enumerate(self.channels) if not holds_time(raw)}
-        if not self.stepped:
-            self._prefer(of)
-        taken: dict[int, Guess] = {}
-        ranks = {i: (max(of[i][0].doubt, LIKELY), by_unit(self.channels[i]) is None) for i in of}
-        for i in sorted(of, key=ranks.__getitem__):
-            held = {guess.quantity for guess in taken.values()} - {""}
-            slots, full = {*map(self._slot, held)}, self._complete(held)
-            free = (guess for guess in of[i] if self._slot(guess.quantity) not in slots)
-            drives = () if self.stepped else EXCITATIONS
-            taken[i] = next(g for g in free if not full or g.doubt < UNSAID or g.quantity in drives)
-        if len(only := [(i, g) for i, g in taken.items() if g.quantity]) == 1:
-            ((i, guess),) = only
-            if guess.doubt > LIKELY and guess.quantity in _RESPONSE_OF:
-                taken[i] = Guess(_RESPONSE_OF[guess.quantity], "the only signal")
-        return {i: taken[i] for i in of}
-
-    def _prefer(self, of: dict[int, list[Guess]]) -> None:
-        """Put first what is certain as no other column can be it; and where names call several alike and none a drive,
-        take the first of them that is not the mass for it."""
-        for i, guess in self.certain[0].items():
-            if (
-                guess.reason == _BY_UNIT
-                and replace(guess, reason=_BY_NAME, doubt=LIKELY) != of[i][0]
-            ):
-                of[i].insert(0, guess)
-        sure = {i: guesses[0].quantity for i, guesses in of.items() if guesses[0].doubt <= LIKELY}
-        if {*sure.values()} & {*EXCITATIONS}:
-            return
-        for driving, quantity in _RESPONSE_OF.items():
-            alike = [i for i, q in sure.items() if q == quantity]
-            bare = [i for i in alike if not self._words(i) & {*WORDS["mass"].split()}]
-            if len(alike) > 1 and bare:
-                of[bare[0]] = [Guess(driving, _BY_NAME + _FIRST, LIKELY), of[bare[0]][-1]]
-
-    def _of(self, i: int) -> list[Guess]:
-        """Return the guesses for a column by itself, from the surest on; the last says why there is no other."""
+    def all(self) -> dict[int, Guess]:
+        """The guess for each column but times."""
         if self.stepped:
-            return self._of_lines(i)
-        raw, unit, named = self.channels[i], by_unit(self.channels[i]), self.named(i)
-        if i in self.samples.aside or self.axes.get(i):
-            moves = self._words(i) & _MOTIONS and unusable(raw)
-            against = named and moves and named.quantity in RESPONSES
-            found = [replace(named, doubt=AGAINST_ITS_UNIT)] if named and against else []
-            return [*found, Guess("", self.samples.aside.get(i) or self.axes[i])]
-        if raw.unit and unit is None and not find_other(raw.unit):
-            return [Guess("", f"its unit, {shortened(raw.unit)}, is no unit of motion or force")]
-        found, one = [named] if named else [], DIMENSIONS.get(unit or "")
-        fitting = [q for q in (*EXCITATIONS, *ABSOLUTE) if DIMENSIONS[q] == one]
-        reason, doubt = (_BY_UNIT, POSSIBLE) if fitting else (_BY_NOTHING, UNSAID)
-        fitting = fitting or ["base_displacement", "displacement"]
-        found += [Guess(q, reason + _FIRST * (q in EXCITATIONS), doubt) for q in fitting]
-        if named and named.quantity in EXCITATIONS:  # which is no response
-            found = [named]
-        other = f"another channel is taken for {found[0].quantity}" if found else _BY_UNIT
-        return [*found, Guess("", _BY_NOTHING if found and found[0].doubt == UNSAID else other)]
+            return self._of_lines()
+        found = {i: self._by_heading(i) for i in range(len(self.channels)) if i not in self.times}
+        named = {i: guess.quantity for i, guess in found.items() if guess.reason == _BY_NAME}
+        driving, answering = ([i for i, q in named.items() if q in of] for of in _ROLES)
+        clear = len({*named.values()}) == len(named) and all(self.channels[i].unit for i in named)
+        if clear and len(driving) == 1 and answering and self._words(driving[0]) != {"y"}:
+            self._leave(found, found.keys() - named.keys(), _TAKEN)
+        else:
+            self._look(found)
+        if self.mapping.free:  # a drive with a known unit is read, to see that it stands still
+            drives = [i for i, guess in found.items() if guess.quantity in EXCITATIONS]
+            known = [i for i in drives if by_unit(self.channels[i])]
+            self._leave(found, {*drives} - {*known[:1]}, _DECAYS)
+        return found | {i: self._with_unit(i, found) for i, of in found.items() if of.quantity}
+
+    def _by_heading(self, i: int) -> Guess:
+        """Return the guess that name and unit of a column give."""
+        raw, unit = self.channels[i], by_unit(self.channels[i])
+        if other := unusable(raw):
+            return Guess("", other)
+        whole, part = quantity_of(raw), quantity_of(raw, all_words=False)
+        named = whole or part or ""
+        if (
+            unit in ABSOLUTE
+            and self._words(i) <= AXES
+            and DIMENSIONS[unit] != DIMENSIONS.get(named)
+        ):
+            return Guess(unit, BY_UNIT)  # along x, y or z
+        if named and unit and DIMENSIONS[unit] != DIMENSIONS[named]:
+            return Guess("", f"its name says {named}, its unit {unit}", may=(unit,))
+        if named:
+            return Guess(named, _BY_NAME if whole else _BY_A_WORD)
+        if raw.unit and not unit and not find_other(raw.unit):
+            return Guess("", f"its unit, {shortened(raw.unit)}, is no unit of motion or force")
+        return Guess(unit or "", BY_UNIT if unit else _BY_NOTHING)
+
+    @staticmethod
+    def _leave(found: dict[int, Guess], columns: Iterable[int], why: str) -> None:
+        """Leave columns aside, unless they are already."""
+        for i in columns:
+            if found[i].reason in _LEVELS or found[i].may:
+                found[i] = Guess("", why)
+
+    def _look(self, found: dict[int, Guess]) -> None:
+        """Add what samples show to the guesses of names and units: what is no motion, which are one body, what drives,
+        and what must be asked."""
+        for i, why in self.axes.items():
+            quantity = by_unit(self.channels[i]) or quantity_of(self.channels[i]) or ""
+            found[i] = Guess("", why) if why else Guess(quantity, _BY_NAME)
+        level = {i: _LEVELS.index(of.reason) for i, of in found.items() if of.reason in _LEVELS}
+        level = {i: at for i, at in level.items() if found[i].quantity not in ACCOMPANYING}
+        still = {i: why for i in level if (why := samples.aside(self.values[i]))}
+        moving = [i for i in level if i not in still]
+        answered = any(found[i].quantity in RESPONSES for i in moving)
+        for i, why in still.items():  # what is named and has a unit is read as it is
+            named = level[i] == 0 and (self.channels[i].unit or not answered)
+            if not named or (answered and found[i].quantity in RESPONSES):
+                found[i] = Guess("", why)
+        self._one_body(found, moving)
+        live = [i for i in level if found[i].reason in _LEVELS]
+        answers = [i for i in live if found[i].quantity in RESPONSES]
+        dies = self.mapping.free or any(samples.dies_out(self.values[i]) for i in answers)
+        if dies:
+            self._leave(found, [i for i in live if self._words(i) == {"y"}], _DECAYS)
+            live = [i for i in live if found[i].reason in _LEVELS]
+        if len(live) == 1 and level[live[0]] and (unit := by_unit(self.channels[live[0]])):
+            found[live[0]] = Guess(unit, "the only signal")
+            return
+        drives = [i for i in live if found[i].quantity in EXCITATIONS]
+        drives = [i for i in drives if level[i] == min(level[j] for j in drives)]
+        answers = [i for i in live if found[i].quantity in RESPONSES]
+        answers = [i for i in answers if not level[i]] or answers
+        if len(drives) > 1 and not self.mapping.free:
+            self._ask(found, drives)
+        known = bool(drives) or dies
+        chosen = self._apart(found, answers, known)
+        held = [found[i].quantity for i in chosen]
+        unsure = [i for i in chosen if held.count(found[i].quantity) > 1]
+        if any(level[i] for i in chosen) and len(live) > 1:
+            sure = self._are_one(found, chosen) if len(chosen) > 1 else known
+            unsure = [] if sure and not unsure else chosen
+        self._ask(found, unsure, drives)
+        chosen = [i for i in chosen if i not in unsure]
+        for i in live if chosen else ():
+            new = i not in (*drives, *chosen) and found[i].quantity not in held
+            if new and found[i].reason in _LEVELS and self._are_one(found, [chosen[0], i]):
+                chosen.append(i)
+        if chosen and known:
+            why = _TAKEN if drives else _DECAYS
+            self._leave(found, {*live} - {*drives, *chosen}, why)
+        rest = [i for i in live if i not in (*drives, *chosen) and found[i].reason in _LEVELS]
+        self._ask(found, rest, drives)
+        self._loop_of(found, [i for i in rest if level[i] == _LEVELS.index(_BY_NOTHING)])
+
+    def _loop_of(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
+        """Take two columns that nothing names and that have no times for a loop of force over displacement if they go
+        round: clockwise, as a contact that takes energy does."""
+        read = any(of.quantity for of in found.values())
+        if read or self.times or self.mapping.free or len(unnamed) != 2:
+            return
+        if turns := samples.turns(*(self.values[i] for i in unnamed)):
+            for i, quantity in zip(unnamed[:: 1 if turns > 0.0 else -1], _OF_LOOP, strict=True):
+                found[i] = Guess(quantity, _GOES_ROUND)
+
+    def _ask(
+        self, found: dict[int, Guess], columns: Iterable[int], drives: Sequence[int] = ()
+    ) -> None:
+        """Ask what columns hold: what their names or units leave open.   drives : columns that are known to drive."""
+        for i in [i for i in columns if not found[i].may]:
+            of = found[i].quantity
+            may = (of,) if of else tuple(EXCITATIONS | ABSOLUTE)
+            if (base := f"base_{of}") in EXCITATIONS:
+                may = (base, of)
+            if drives and i not in drives:
+                may = tuple(q for q in may if q not in EXCITATIONS)
+            found[i] = Guess("", found[i].reason, may=may)
+
+    def _one_body(self, found: dict[int, Guess], moving: Sequence[int]) -> None:
+        """Leave aside the coordinates of a bob whose angle is there, and its height over another one."""
+        for i in moving:
+            others = [j for j in moving if j != i and found[j].reason in _LEVELS]
+            turns = [j for j in others if self._turns(j) and not self._turns(i)]
+            for j in turns:
+                if samples.same_motion(self.values[i], self.values[j]):
+                    found[i] = Guess("", f"moves as {self.names[j]}: one body")
+            for j in others if found[i].reason != _BY_NAME or self._words(i) == {"y"} else turns:
+                if samples.is_arc(self.values[i], self.values[j]):
+                    found[i] = Guess("", f"an arc over {self.names[j]}: the height of a bob")
+
+    def _turns(self, i: int) -> bool:
+        """Return whether a column is of a rotation, by its unit or name."""
+        raw = self.channels[i]
+        known = find_motion(raw.unit or "") is not None
+        return (
+            coordinate_of(raw) == ROTATION if known else bool(self._words(i) & {*TURNING.split()})
+        )
+
+    def _apart(self, found: dict[int, Guess], answers: Sequence[int], same: bool) -> list[int]:
+        """Return one response of each quantity, and leave the others aside that move with it; all where they do not.
+
+        same : whether what moves with it is the same body, as another drives, or none.
+        """
+        chosen: list[int] = []
+        for quantity in dict.fromkeys(found[i].quantity for i in answers):
+            alike = [i for i in answers if found[i].quantity == quantity]
+            bodies = [i for i in alike if self._words(i) & _OF_MASS]
+            first, *others = bodies if len(bodies) == 1 else alike
+            values = self.values if others else {}
+            if same and all(samples.same_motion(values[first], values[i]) for i in others):
+                self._leave(found, others, f"moves as {self.names[first]}")
+                others = []
+            chosen += [first, *others]
+        return chosen
+
+    def _are_one(self, found: dict[int, Guess], columns: Sequence[int]) -> bool:
+        """Return whether columns with units are each the derivative of the one before: of one body."""
+        order = {i: ORDERS.get(found[i].quantity, -1) for i in columns}
+        ranked = sorted(columns, key=order.__getitem__)
+        for i, j in itertools.pairwise(ranked):
+            first, second = (find_motion(unit_of(self.channels[at]) or "") for at in (i, j))
+            s = self._slope(i, j, order[j] - order[i])
+            if s is None or first is None or second is None:
+                return False
+            if abs(abs(s) * second.factor / first.factor - 1.0) > _ONE:
+                return False
+        return min(order.values()) >= 0
+
+    def _slope(self, i: int, j: int, order: int) -> float | None:
+        """Return by how much a column is more than a derivative of another."""
+        step = self._step(i)
+        if order < 1 or not step > 0.0:
+            return None
+        return samples.slope(self.values[i], self.values[j], step, order)
+
+    def _with_unit(self, i: int, found: dict[int, Guess]) -> Guess:
+        """Return a guess with its unit: as the file has it, or as gravity, the size of an angle or another column
+        tells."""
+        guess, name = found[i], {"channel": self.names[i]}
+        if (text := unit_of(self.channels[i])) is not None:
+            return replace(guess, unit=text)
+        order = ORDERS.get(guess.quantity, -1)
+        for j, other in found.items():
+            known = find_motion(unit_of(self.channels[j]) or "")
+            if order < 0 or known is None or other.quantity not in ORDERS:
+                continue
+            after = ORDERS[other.quantity] > order
+            first, second = (i, j) if after else (j, i)
+            s = self._slope(first, second, abs(ORDERS[other.quantity] - order))
+            factor = s and known.factor * (abs(s) if after else 1.0 / abs(s))
+            if unit := _near(factor or 0.0, DIMENSIONS[known.coordinate.key(guess.quantity)]):
+                said = Finding("unit by slope", name | {"unit": unit, "other": self.names[j]})
+                return replace(guess, unit=unit, said=said)
+        if guess.quantity == "displacement" and self._turns(i):
+            size = float(np.nanmax(np.abs(self.values[i]), initial=0.0))
+            unit = "rad" if size <= _TURNS else "deg"
+            said = Finding("unit by size", name | {"unit": unit, "size": size})
+            return replace(guess, unit=unit, said=said)
+        if guess.quantity == "acceleration":
+            own = [j for j in self.axes if self.channels[j].unit is None] if i in self.axes else [i]
+            means = [float(np.nanmean(self.values[j])) for j in own]
+            gravity = math.hypot(*means[:3])
+            if gravity and (unit := _near(_GRAVITY / gravity, "acceleration")):
+                said = Finding("unit by gravity", name | {"unit": unit, "size": gravity})
+                return replace(guess, unit=unit, said=said)
+        return guess
+
+    # --- tables of steady responses ----------------------------------------------------------------------------------
 
     @cached_property
     def per_force(self) -> bool:
         """Whether a table has a column of responses per force."""
         return bool({*map(column_of, self.channels)} & {*PER_FORCE})
 
-    def _of_lines(self, i: int) -> list[Guess]:
-        """Return the guesses for a column of a table of steady responses, from the surest on."""
-        raw, named = self.channels[i], column_of(self.channels[i])
-        unit = find_unit(raw.unit or "")
-        fitting = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
-        found = [Guess(q, _BY_UNIT, POSSIBLE) for q in fitting]
-        if named:
-            found = [Guess(named, _BY_NAME)]
-        elif i in self.samples.rising:
-            found = [Guess("frequency", "rises in equal steps", POSSIBLE)]
-        elif not raw.unit and i not in self.samples.aside:
-            found = [Guess(q, _BY_NOTHING, UNSAID) for q in ("force", "displacement", "phase")]
-        said = found and found[0].doubt < UNSAID
-        other = f"another column is taken for {found[0].quantity}" if said else _BY_NOTHING
-        if self.per_force:  # no base drives
-            found = [guess for guess in found if not guess.quantity.startswith("base_")]
-        return [*found, Guess("", other)]
+    def _of_lines(self) -> dict[int, Guess]:
+        """Return the guesses for the columns of a table of steady responses, those that are named first."""
+        held: dict[str, str] = {}  # what is taken, by the key of its columns, of all levels
+        found: dict[int, Guess] = {}
+        named = {i: column_of(raw) for i, raw in enumerate(self.channels)}
+        for i in sorted(named, key=lambda i: named[i] is None):
+            raw, key = self.channels[i], self.keys[i]
+            unit, of = find_unit(raw.unit or ""), named[i]
+            may = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
+            why = samples.aside(self.values[i]) if of is None and not unit else ""
+            if of is None and samples.equal_step(self.values[i]) and not raw.unit:
+                may, why = ["frequency"], ""
+            elif not (of or raw.unit or why):
+                may = ["force", *ABSOLUTE, "phase"]
+            may = [of] if of else [q for q in may if not (self.per_force and "base_" in q)]
+            free = [q for q in may if held.get(self._slot(q), key) == key]
+            said = _BY_NAME if of else BY_UNIT if unit else "rises in equal steps"
+            if len(free) == 1:
+                held[self._slot(free[0])] = key
+                found[i] = Guess(free[0], said, raw.unit or "")
+            elif free and not self._complete(held):
+                found[i] = Guess("", said if unit else _BY_NOTHING, may=tuple(free))
+            else:
+                found[i] = Guess("", why or f"{may[0]} is another" if may else why or _BY_NOTHING)
+        return {i: found[i] for i in named}
 
     def _slot(self, quantity: str) -> str:
-        """Return what a record, or a table, has one of: of all excitations one, of responses one in a table."""
+        """Return what a table has one of: one drive, one response."""
         if quantity in _DRIVES:
             return "drive"
-        return "response" if self.stepped and quantity in _RESPONSES else quantity
+        return "response" if quantity in _RESPONSES else quantity
 
     def _complete(self, held: Collection[str]) -> bool:
-        """Return whether a record, or a table, can be read with these quantities."""
-        if not self.stepped:
-            return bool({*held} & {*RESPONSES})
-        needed = ["frequency", "response", "phase", *["drive"] * (not {*held} & {*PER_FORCE})]
-        return {*needed} <= {*map(self._slot, held)}
+        """Return whether a table can be read with what is in these slots."""
+        return {"frequency", "response", "phase", *["drive"] * (not self.per_force)} <= {*held}
 
-    @property
-    def complete(self) -> bool:
-        """Whether the draft has a response, and all else that a table of steady responses needs."""
-        return self._complete({guess.quantity for guess in self.draft.values()})
+    # --- what is read, and what is asked ---------------------------------------------------------------------------
+
+    def _coordinate(self, i: int) -> Coordinate:
+        """Return whether a column rotates, by the unit that it is read in."""
+        unit = find_motion(self.all[i].unit)
+        return unit.coordinate if unit else ROTATION if self._turns(i) else TRANSLATION
+
+    @cached_property
+    def rules(self) -> dict[str, ChannelRule]:
+        """What is read, as a mapping says it."""
+        return {
+            of.quantity: ChannelRule(i + 1, of.unit or None, coordinate=self._coordinate(i))
+            for i, of in self.all.items()
+            if of.quantity
+        }
+
+    def questions(self) -> Iterator[str]:
+        """Yield what is to be said of the file before it can be read, the first thing first."""
+        held = {of.quantity: i for i, of in self.all.items() if of.quantity}
+        asked = [i for i, of in self.all.items() if of.may]
+        if self._is_response():
+            yield _RESPONSE
+        if not held.keys() & {*RESPONSES} and not asked:
+            yield f"finds no response: name one of {', '.join(ABSOLUTE)}; its columns are {self.overview}."
+        if asked:
+            may = listed([*dict.fromkeys(q for i in asked for q in self.all[i].may)], "or")
+            why = [self.all[i].reason for i in asked if self.all[i].reason not in _LEVELS]
+            free = "" if self.mapping.free else " If it is a free decay, give --kind ring-down."
+            verb = "do the columns" if len(asked) > 1 else "does the column"
+            names = listed([self.names[i] for i in asked[:LISTED]])
+            because = f" ({'; '.join(why)})" if why else ""
+            yield f"what {verb} {names} hold: {may}?{free}{because}"
+        self.require_one_coordinate([*held.values()])
+        if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
+            yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
+        for quantity, i in held.items():
+            if problem := self._of_unit(i, self._coordinate(i).key(quantity)):
+                yield problem
+        if self.mapping.sample_rate_hz is None and held:
+            loop = is_loop(held) and not self.mapping.free
+            untimed = [i for i in held.values() if self.channels[i].rate_hz is None]
+            for i, time in {i: self.time_of(i) for i in untimed}.items():
+                if time is None and (fault := self.channels[i].fault):
+                    raise RecordError(fault)
+                if time is None and not loop:
+                    yield "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
+                elif time is not None and (problem := self._of_unit(time, "time")):
+                    yield problem
+
+    def _of_unit(self, i: int, quantity: str) -> str:
+        """Return what is to be said of the unit of a column; "" for nothing."""
+        if (text := self.unit_of_time(i) if quantity == "time" else self.all[i].unit) is None:
+            return f"in which unit is {self.names[i]}?"
+        try:
+            unit_for(text, quantity)
+        except UnitError as error:
+            if find_other(text) == VOLTAGE:
+                return f"what is the scale of {self.names[i]}, which is in {text}?"
+            return f"channel {shortened(self.channels[i].name)}: {error}"
+        return ""
+
+    def require_one_coordinate(self, channels: Collection[int]) -> None:
+        """Raise RecordError where some channels rotate and others move along a line."""
+        coordinates = {self.channels[i].name: self._coordinate(i) for i in channels}
+        require_one_coordinate(str(self.path), coordinates)
+
+    def _is_response(self) -> bool:
+        """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
+        named = [column_of(raw) for raw in self.channels]
+        driven = {*named} & {*_DRIVES} or self.mapping.force_N
+        if any(map(names_time, self.channels)) or driven:
+            return False
+        held = {i: of[np.isfinite(of)] for i, of in self.values.items()}
+        even = [i for i, of in held.items() if of.size and samples.equal_step(of) is not None]
+        rising = [i for i in even if held[i][-1] >= _KILOHERTZ and not self.channels[i].unit]
+        phases = [
+            i
+            for i, of in held.items()
+            if of.size > 2 and np.abs(of).max() <= _HALF_TURN and np.ptp(of) > 0.5 * _HALF_TURN
+        ]
+        frequency = "frequency" in named or (rising and len(held) > 2)
+        if self.per_force:  # or a stepped sine at a force that is to be stated
+            frequency = "frequency" in named and named.index("frequency") in even
+        return bool(frequency and ("phase" in named or [i for i in phases if i not in even]))
 
     def lines(self) -> list[str]:
-        """Return the draft as a mapping in YAML, each line with its reason, and the columns left out."""
-        chosen = {g.quantity: i for i, g in reversed(self.draft.items()) if g.quantity}
-        driving = {*chosen} & {*EXCITATIONS}
-        head = "channels:" if driving else "channels:  # a free decay, without an excitation"
-        lines, times = ["table:" if self.stepped else head], self._times()
+        """Return the guesses as a mapping in YAML, each line with its reason, the columns left out, and a blank where
+        something is to be filled in."""
+        chosen = {g.quantity: i for i, g in reversed(self.all.items()) if g.quantity}
+        driving, asked = {*chosen} & {*EXCITATIONS}, [i for i, g in self.all.items() if g.may]
+        head = (
+            "channels:" if driving or asked else "channels:  # a free decay, without an excitation"
+        )
+        lines = ["table:" if self.stepped else head]
         order = TABLE_DIMENSIONS if self.stepped else QUANTITIES
         for quantity in filter(chosen.__contains__, order):
-            i, reason = chosen[quantity], self.draft[chosen[quantity]].reason
+            i, reason = chosen[quantity], self.all[chosen[quantity]].reason
             stated, remark = self._in_unit(i, quantity)
-            name = quantity if self.stepped else coordinate_of(self.channels[i]).key(quantity)
+            name = quantity if self.stepped else self._coordinate(i).key(quantity)
             if (error := chosen.get(quantity + STANDARD_ERROR)) is not None:
                 stated += f", standard_error: {self._which(error)}"
             relative = quantity in ABSOLUTE and driving - {"force"} and reason != _BY_NAME
             if relative and not self.stepped:
                 remark = f"; relative_{name} if measured against the base{remark}"
             lines.append(f"  {name}: {{channel: {self._which(i)}{stated}}}  # {reason}{remark}")
+        for i in asked:
+            of = self.all[i]
+            key = json.dumps(f"what is {self._which(i).strip(chr(34))}{BLANK}", ensure_ascii=False)
+            stated, remark = self._in_unit(i, of.may[0])
+            remark = (
+                f"{listed(of.may, 'or')}; leave the line out if it is none; {of.reason}{remark}"
+            )
+            lines.append(f"  {key}: {{channel: {self._which(i)}{stated}}}  # {remark}")
         for key in _KEPT.split():
             if (value := getattr(self.mapping, key)) not in (None, ""):
                 lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
         if not self.stepped:
-            lines += self._time(times)
+            lines += self._time()
         elif self.per_force and not driving and not self.mapping.force_N:
-            lines.append("force_N: 1.0  # the file has no force: replace by its amplitude")
+            lines.append(f'force_N: "{BLANK}"  # the amplitude of the force: the file has none')
         read = {self.keys[i] for i in chosen.values()} if self.stepped else set()  # of all levels
         aside = [
             f"# left aside: {self.names[i]}: {guess.reason}"
-            for i, guess in self.draft.items()
-            if not guess.quantity and i not in times and self.keys[i] not in read
+            for i, guess in self.all.items()
+            if not (guess.quantity or guess.may) and self.keys[i] not in read
         ]
         more = [f"# and {len(aside) - LISTED} more"] * (len(aside) > LISTED)
         return [*lines, *aside[:LISTED], *more]
 
     def _in_unit(self, i: int, quantity: str) -> tuple[str, str]:
         """Return the unit and scale of a column in the mapping, and a remark on them."""
-        values, text = self.samples.values[i], unit_of(self.channels[i]) or ""
-        unit, large = _UNITS.get(quantity, ""), values.size and 0.5 * np.ptp(values)
+        text = self.all[i].unit or unit_of(self.channels[i]) or ""
+        si = SI.get(quantity, "")
         own, dimension = find_motion(text), DIMENSIONS.get(quantity)
         if self.stepped:
             own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
-        if not unit:  # a level
+        if quantity == "level":
             return "", ""
         if own and dimension in (own.dimension, own.counterpart):
-            return f", unit: {own.name}", ""
+            said = self.all[i].said if self.channels[i].unit is None else None
+            return f", unit: {own.name}", "; the file has no unit" * (said is not None)
         if text and quantity in PER_FORCE:
             return f", unit: {text}", ""
-        if unit == "m" and (text or large > _IN_MM):
-            unit = "mm"
-        if text:
-            remark = f"; recorded in {text}: replace 1.0 by the {unit} per {text}"
-            return f", unit: {unit}, scale: 1.0", remark
-        unit = "deg" if quantity == "phase" and large > _TURNS else unit
-        return f", unit: {unit}", "; unit guessed, the file has none"
+        if find_other(text):
+            return f', unit: {si}, scale: "{BLANK}"', f"; recorded in {text}: {si} per {text}"
+        if quantity == "phase" and not text and (values := self.values[i]).size:
+            unit = "rad" if np.nanmax(np.abs(values)) <= _TURNS else "deg"
+            return f", unit: {unit}", "; by its size, the file has no unit"
+        return f', unit: "{BLANK}"', f"; recorded in {text}" if text else "; the file has no unit"
 
-    def _times(self) -> list[int]:
-        """Return the columns of times in the draft: by the mapping, name or unit, or as the only ones that rise."""
-        if self.mapping.time is not None:
-            which = self.mapping.time
-            return [i for i, raw in enumerate(self.channels) if which in (i + 1, raw.name)]
-        return self.times or self.samples.rising
-
-    def _time(self, times: Sequence[int]) -> list[str]:
+    def _time(self) -> list[str]:
         """Return the line about times, if one is needed."""
         if self.mapping.sample_rate_hz is not None:
             return []
-        if not times:
-            stated = any(raw.rate_hz for raw in self.channels)
-            line = "sample_rate_hz: 1000  # the file has no times: replace by the rate"
+        if not self.times:
+            loop = is_loop({of.quantity for of in self.all.values()} - {""})
+            stated = loop or any(raw.rate_hz for raw in self.channels)
+            line = f'sample_rate_hz: "{BLANK}"  # samples per second: the file has no times'
             return [] if stated else [line]
-        first, line = times[0], f"time: {{channel: {self._which(times[0])}, unit: "
-        known = find_unit(self.mapping.time_unit or unit_of(self.channels[first]) or "")
-        if known is not None and known.dimension == "time":
-            return [f"{line}{known.name}}}"] if len(times) == 1 else []
-        values = self.samples.values[first]
-        step = _equal_step(values[np.isfinite(values)])
-        unit = next(unit for unit, least in _TIME_UNITS.items() if (step or 0.0) >= least)
-        shows = f"rises by {step:.6g} from sample to sample; " if step else ""
-        return [f"{line}{unit}}}  # {shows}unit guessed, the file has none"]
+        first = self.times[0]
+        line = f"time: {{channel: {self._which(first)}, unit: "
+        text = self.unit_of_time(first)
+        known = find_unit(text or "")
+        if known is None or known.dimension != "time":
+            return [f'{line}"{BLANK}"}}  # the file does not say it']
+        told = (
+            "" if self.mapping.time_unit or unit_of(self.channels[first]) else "  # in parts of 1"
+        )
+        return [f"{line}{known.name}}}{told}"] if len(self.times) == 1 else []
 
     def _which(self, i: int) -> str:
         """Return a column as a mapping names it: by its name, or by its number where that is long or not its alone."""
@@ -493,24 +699,27 @@ class Guesses:
         return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
 
     def proposed(self, what: str) -> str:
-        """Say `what` to write, with the draft, which is complete, and holds for these columns if the guesses do."""
-        if not self.complete and self.stepped:
-            return f"A table has a frequency, a drive, a response and a phase: name the column of each in {self.where}"
-        if not self.complete:
-            remedy = "give one that holds both, or name the file of each in"
-            return f"A record has two signals at least: {remedy} {self.where}"
+        """Say `what` to write, with the guesses as a mapping."""
+        if not any(of.quantity or of.may for of in self.all.values()):
+            return f"Name the file and the column of each signal in {self.where}"
         here = "" if self.mapping.source else " (--write-mapping writes it)"
         return "\n  ".join([f"{what} in {self.where}{here}, for example", *self.lines()])
 
     def unclear(self, what: str) -> RecordError:
-        """Return the error for columns that cannot be distinguished: what is missing, and the mapping to write."""
-        needed = (
-            f"it needs one of {', '.join(EXCITATIONS)}, unless it is a free decay (--kind ring-down), and at least one "
-            f"of {', '.join(ABSOLUTE)} (relative_displacement, … if measured against the base). Its channels"
-        )
-        needed = "a table has one of each. Its columns" if self.stepped else needed
-        shown = f"{self.overview}. {self.proposed('Say which is which')}"
-        return RecordError(f"{self.path}: {what}; {needed} are {shown}")
+        """Return the error for a file that something must be said of: what it is, and the mapping to write."""
+        if self.stepped:
+            what = f"{_RESPONSE} ({what})" if self._is_response() else what
+            what += f"; a table has a frequency, a drive, a response and a phase. Its columns are {self.overview}."
+        draft = "" if what.startswith(_RESPONSE) else f" {self.proposed('Say it')}"
+        return RecordError(f"{self.path}: {what}{draft}")
+
+
+def _near(factor: float, dimension: str) -> str:
+    """Return the one unit of a dimension with about this factor; "" for none, or several."""
+    near = [
+        u.name for u in UNITS if u.dimension == dimension and abs(factor / u.factor - 1.0) < _SAME
+    ]
+    return near[0] if len(near) == 1 else ""
 
 
 def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
@@ -522,16 +731,40 @@ def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
     return {"frequency", "phase"} <= held and not any(map(names_time, file.channels))
 
 
+def runs_of(file: Table) -> list[Table]:
+    """Return a table for each run of a file that has several side by side: blocks of columns with the same names, each
+    with its times first; the file itself where it has not."""
+    held = [i for i, raw in enumerate(file.channels) if raw.label]  # an empty column has no name
+    times = [n for n, i in enumerate(held) if names_time(file.channels[i])]
+    blocks = [held[a:b] for a, b in itertools.pairwise([*times, len(held)])]
+    names = [
+        [(key_of(raw.name), raw.unit) for i in of for raw in [file.channels[i]]] for of in blocks
+    ]
+    if len(blocks) < 2 or times[0] or len(names[0]) < 2 or any(of != names[0] for of in names):
+        return [file]
+
+    def part(block: list[int]) -> Table:
+        channels = [file.channels[i] for i in block]
+        return replace(
+            file,
+            channels=channels,
+            load=lambda wanted: [file.columns([block[i]])[block[i]] for i in wanted],
+            loaded={},
+        )
+
+    return [part(block) for block in blocks]
+
+
 def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None = None) -> str:
     """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason.
 
     stepped : whether it holds steady responses to a stepped sine; None to see it by its columns.
 
-    Raises RecordError where the mapping names channels already, or the draft lacks a response, or another column.
+    Raises RecordError where the mapping names channels already, or nothing in the file can be named.
     """
     if mapping.channels or mapping.table:
         raise RecordError(f"{mapping.source} names the channels of {file.path} already")
     guesses = Guesses(file, mapping, stepped=stepped)
-    if not guesses.complete:
-        raise guesses.unclear("finds too few columns" if guesses.stepped else "finds no response")
+    if not any(of.quantity or of.may for of in guesses.all.values()):
+        raise guesses.unclear("finds no column that may be a motion or a force.")
     return "\n".join([*guesses.lines(), ""])

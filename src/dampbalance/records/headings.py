@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Container
+from collections.abc import Container, Iterator
 from dataclasses import replace
 
 from .channel import ABSOLUTE, EXCITATIONS
@@ -25,11 +25,11 @@ from .units import (
 )
 
 WORDS = {
-    "displacement": "displacement disp deflection x weg auslenkung verschiebung "
-    "angle rotation theta winkel",
+    "displacement": "displacement disp deflection position pos dist distance x weg auslenkung "
+    "verschiebung abstand angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel",
     "velocity": "velocity vel v geschwindigkeit speed drehzahl",
     "acceleration": "acceleration accel acc beschleunigung",
-    "force": "force kraft torque moment drehmoment",
+    "force": "force forc f kraft torque moment drehmoment",
     "base_displacement": "y",
     "base": "base ground table shaker foundation support excitation input in eingang "
     "basis boden tisch fundament fußpunkt anregung erregung",
@@ -52,14 +52,18 @@ WORDS_OF_TABLES = {
 STANDARD_ERROR = "_standard_error"
 """What the name of a quantity ends in, for the column of a table that holds its standard error."""
 
+AXES = {"x", "y", "z"}
+"""Letters that are directions, beside another word or a unit that is no displacement's."""
+
+TURNING = "angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel"
+"""Words of an angle, which may have no unit."""
+
 TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
 """Words of a heading that make a channel a temperature, which is left aside."""
 
 _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words.split()}
 # words that suffice for a guess alone
-_HINTS = {"reference": "base"} | dict.fromkeys(
-    ("hammer", "load", "friction", "reibung", "reibkraft"), "force"
-)
+_HINTS = dict.fromkeys(("hammer", "load", "friction", "reibung", "reibkraft"), "force")
 _NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
 _PASSED_OVER = "angular"  # the unit shows that a velocity is angular
 _BODIES = ("base", "mass", "relative")
@@ -86,9 +90,23 @@ _SECONDS = re.compile(
 _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
+_RUN = re.compile(
+    r"^\s*(?:latest|(?:data ?set|run|trial|series|lauf|messung|versuch)\W?\d*)\s*:\s*",
+    re.IGNORECASE,
+)  # before the names of a run, as programs of schools write it
+
+
 def last_part(name: str) -> str:
     """Return the last part of a path of groups or structures; a quotient in brackets, x [m/s], is no path."""
-    return re.split(r"[/.](?=[^/.])(?![^\[(]*[\])])", name.strip())[-1].strip()
+    name = _RUN.sub("", name.strip())
+    return re.split(r"[/.](?=[^/.])(?![^\[(]*[\])])", name)[-1].strip()
+
+
+def axis_of(name: str) -> Iterator[tuple[str, str, str]]:
+    """Yield each letter of a heading that may be an axis, x, y or z, with what stands before and behind it."""
+    name = name.lower()
+    for axis in re.finditer("[xyz]", name):
+        yield axis[0], name[: axis.start()], name[axis.end() :]
 
 
 def without_number(name: str) -> str:
@@ -150,7 +168,9 @@ def quantity_of(
     words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
     if {*words} & {*_NORMAL} and by_unit(raw) == "force":
         return "normal_force"
-    words = [word for word in words if word != _PASSED_OVER] or words
+    words = [word for word in words if word != _PASSED_OVER and not word.isdigit()] or words
+    rest = [word for word in words if word not in AXES]  # an axis beside a quantity
+    words = rest if {meanings.get(word) for word in rest} & DIMENSIONS.keys() else words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):
         words = [word for word in words if word in meanings and len(word) > 1]

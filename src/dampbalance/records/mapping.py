@@ -32,6 +32,9 @@ FOLDER_FILE = "channels.yaml"
 _FILTERS = ("low_pass", "high_pass")
 _CORRECTED = {"gain", "delay", *_FILTERS, "gain_uncertainty", "delay_uncertainty"}
 
+BLANK = "?"
+"""What a draft holds, or ends in, where something is to be filled in."""
+
 Which = str | int  # a channel by its name, or by its number counted from 1
 
 
@@ -147,7 +150,8 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     remedy."""
     from ..project.documents import against_schema, in_lines, read_schema
 
-    problems = against_schema(document, read_schema(SCHEMA)) or list(_contradictions(document))
+    problems = blanks_in(document) or against_schema(document, read_schema(SCHEMA))
+    problems = problems or list(_contradictions(document))
     if problems:
         raise RecordError(in_lines(problems, {source: document}))
     keys = dict(document)
@@ -163,6 +167,19 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
         canonical = ROTATING[quantity]
         rules[canonical] = replace(rules[canonical], coordinate=ROTATION)
     return RecordMapping(source, ReadOnly(rules), time.get("channel"), time.get("unit"), **keys)
+
+
+def blanks_in(document: Any) -> list[tuple[tuple[str | int, ...], str]]:
+    """Return the blanks of a draft that are not filled in, as problems."""
+    found: list[tuple[tuple[str | int, ...], str]] = []
+    for key, value in document.items() if isinstance(document, Mapping) else ():
+        if str(key).endswith(BLANK):
+            found.append(((key,), "is a blank: write what the column holds, or delete the line"))
+        elif value == BLANK and key not in ("channel", "standard_error"):
+            found.append(((key,), "is a blank: fill it in"))
+        elif isinstance(value, Mapping):
+            found += [((key, *inner), words) for inner, words in blanks_in(value)]
+    return found
 
 
 def _rule(stated: Mapping[str, Any]) -> ChannelRule:
@@ -214,8 +231,7 @@ def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | i
         yield ("channels",), problem
     stated = {ROTATING.get(q, q) for q in channels}
     driving, answering = ([q for q in of if q in stated] for of in (EXCITATIONS, RESPONSES))
-    several = any("file" in rule for rule in channels.values())
-    if channels and (not answering or (several and len(driving) > 1)):
+    if channels and (not answering or len(driving) > 1):
         needed = f"one of {', '.join(EXCITATIONS)}, or none for a free decay"
         yield ("channels",), f"needs {needed}, and at least one of {', '.join(RESPONSES)}"
     holder: dict[tuple[str | int, str | None], str] = {}

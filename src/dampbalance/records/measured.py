@@ -16,6 +16,7 @@ from ..project.files import sha256
 from ..project.wording import visible
 from .coordinate import ROTATION, TRANSLATION
 from .errors import RecordError, RecordWarning
+from .guess import runs_of
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .readers import opened
 from .recognise import recognise
@@ -53,11 +54,14 @@ def as_records(
         if isinstance(one, str | Path):
             file = path("each record", one, "a file")
             rules = replace(mapping_for(file, mapping), free=free)
-            record = _read(str(file), file.name, opened(file, rules), rules, reader)
-            one = replace(record, files=_digests(file, rules, mapping))
+            read = _read(str(file), file.name, opened(file, rules), rules, reader)
+            files = _digests(file, rules, mapping)
+            runs = [{"run": n} if len(read) > 1 else {} for n in range(1, len(read) + 1)]
+            made += [replace(of, files=files | run) for of, run in zip(read, runs, strict=True)]
         elif not isinstance(one, Record) or (one.files is None and one.rules == RecordMapping()):
-            one = _in_memory(one, number, taken, mapping, free, reader)
-        made.append(one)
+            made += _in_memory(one, number, taken, mapping, free, reader)
+        else:
+            made.append(one)
     return tuple(made)
 
 
@@ -68,8 +72,9 @@ def _in_memory(
     mapping: MappingLike,
     free: bool,
     reader: ReaderOfTables | None,
-) -> Record:
-    """Return the record of signals in memory, the `number`-th of several, under a name that is not taken."""
+) -> tuple[Record, ...]:
+    """Return the records of signals in memory, the `number`-th of several, under a name that is not taken, as
+    `_read`."""
     if not isinstance(signals, Record) and not is_table(signals):
         remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
         raise RecordError(f"record {number} is a {type(signals).__name__}; {remedy}")
@@ -81,7 +86,7 @@ def _in_memory(
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
     rules = replace(rules, free=free)
     if isinstance(signals, Record):
-        return replace(signals, name=name, label=visible(rules.level or name), rules=rules)
+        return (replace(signals, name=name, label=visible(rules.level or name), rules=rules),)
     return _read(name, name, [(signals_file(name, signals), rules)], rules, reader)
 
 
@@ -91,15 +96,25 @@ def _read(
     parts: Iterable[tuple[Table, RecordMapping]],
     rules: RecordMapping,
     reader: ReaderOfTables | None,
-) -> Record:
-    """Return the record in open tables, each with its part of the mapping."""
-    with _collected_warnings(name) as warned:
-        first, *others = parts
-        if reader is not None and (of_its_kind := reader(first[0], rules, label)) is not None:
-            return of_its_kind
-        record = recognise(*first, *others)
+) -> tuple[Record, ...]:
+    """Return the record in open tables, each with its part of the mapping; of a table that holds several runs side by
+    side a record of each."""
+    (file, of), *others = parts
     label = visible(rules.level or label)
-    return replace(record, name=name, label=label, rules=rules, warnings=tuple(warned))
+    runs = [file] if others or rules.channels or rules.table else runs_of(file)
+    read: list[Record] = []
+    for n, run in enumerate(runs, start=1):
+        with _collected_warnings(name) as warned:
+            if reader is not None and (of_its_kind := reader(run, of, label)) is not None:
+                return (of_its_kind,)
+            record = recognise(run, of, *others)
+        record = replace(record, name=name, label=label, rules=rules, warnings=tuple(warned))
+        if len(runs) > 1:
+            said = Finding("several runs", {"runs": len(runs)})
+            record = replace(record, label=f"{label} (run {n})", warnings=(*warned, said))
+            record = replace(record, name=f"{name} (run {n})")
+        read.append(record)
+    return tuple(read)
 
 
 def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str, Any]:
@@ -136,12 +151,12 @@ def require_different(records: Sequence[Record]) -> None:
         raise RecordError(
             f"{rotating} rotates and {other} moves along a line: identify them separately"
         )
-    known: dict[tuple[int, int], str] = {}
+    known: dict[tuple[object, ...], str] = {}
     for record in records:
         if record.files is None:
             continue
-        found = Path(record.name).stat()
-        other = known.setdefault((found.st_dev, found.st_ino), record.name)
+        held = record.files["sha256"], record.files.get("run")
+        other = known.setdefault(held, record.name)
         if other is not record.name:
             twice = f"{other} is named twice"
             named = twice if other == record.name else f"{other} and {record.name} are one file"

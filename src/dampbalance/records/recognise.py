@@ -20,16 +20,23 @@ from ..arrays import Array, Integers, Mask
 from ..findings.finding import Finding
 from ..project.wording import shortened
 from . import errors
-from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
+from .channel import (
+    EXCITATIONS,
+    QUANTITIES,
+    RESPONSES,
+    Channel,
+    Correction,
+    sample_times,
+)
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
-from .guess import Guesses, first_of
-from .headings import by_unit, coordinate_of, holds_time, unit_of, unusable
+from .guess import BY_UNIT, Guesses, first_of, is_loop
+from .headings import unit_of
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import RawChannel, Table
-from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
+from .units import DIMENSIONS, UNITS, UnitError, unit_for
 
 _BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
@@ -53,8 +60,8 @@ _PLACES = 3  # that a warning lists
 class Pick:
     """One quantity of the record: value in SI = factor · what channel `index` holds.
 
-    time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on; time_factor : seconds per
-    unit of that channel.   correction : that its harmonics need.
+    time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on, at a rate of 0 without
+    times; time_factor : seconds per unit of that channel.   correction : that its harmonics need.
     coordinate : whether it rotates.
     """
 
@@ -84,128 +91,105 @@ def recognise(table: Table, mapping: RecordMapping, *others: tuple[Table, Record
     """
     order, channels = list(QUANTITIES), list[Channel]()
     for file, of in ((table, mapping), *others):
-        channels += _channels(file, picks_of(file, of, entire=not others))
+        channels += _channels(file, picks_of(file, of))
     channels.sort(key=lambda channel: order.index(channel.quantity))
     return Record.of(str(table.path), channels)
 
 
-def picks_of(file: Table, mapping: RecordMapping, *, entire: bool = True) -> tuple[Pick, ...]:
+def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
     """Return what to read from a file, in the order of QUANTITIES.
-
-    entire : whether it holds all of the record, a response and an excitation; none of these in a free decay, if no
-    channel is left that could be one, the mapping names none, or it is known to be `free`.
 
     Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
     time, a unit that does not fit; channels that cannot be distinguished, with the mapping to write.
     """
     guesses = Guesses(file, mapping)
     rules: Mapping[str, ChannelRule] = mapping.channels
-    if rules:
-        named = {q: guesses.find(of.channel, f"channels.{q}.channel") for q, of in rules.items()}
-        chosen = {q: found[0] for q, found in named.items()}
-    else:
-        certain, competing = guesses.certain
-        if competing:
-            raise guesses.unclear(competing)
-        chosen = {guess.quantity: i for i, guess in certain.items()}
-        if mapping.free:
-            # a possible excitation with a known unit is read as well, to see that it stands still
-            drives = [q for q in EXCITATIONS if q in chosen and by_unit(file.channels[chosen[q]])]
-            chosen = {q: i for q, i in chosen.items() if q in (*RESPONSES, *drives[:1])}
-        rules = {quantity: ChannelRule(channel=index + 1) for quantity, index in chosen.items()}
-    driving, answering = ([q for q in of if q in chosen] for of in (EXCITATIONS, RESPONSES))
-    if entire and len(driving) > 1:
-        raise guesses.unclear(f"finds {' and '.join(driving)}")
-    # a channel without a name may be the excitation: only without such a channel is the record a free decay
-    known = mapping.channels or mapping.free
-    unnamed = answering and not known and guesses.spare(chosen.values())
-    if entire and not driving and (unnamed or not answering):
-        raise guesses.unclear("finds no excitation")
-    if entire and not answering:
-        raise guesses.unclear("finds no response")
-    picks = tuple(_pick(guesses, q, chosen[q], rules[q]) for q in QUANTITIES if q in chosen)
-    if not mapping.channels:
-        guesses.require_one_coordinate([*chosen.values()])
-        for guess in _guesses(guesses, picks):
-            warnings.warn(RecordWarning(guesses.path, guess), stacklevel=2)
+    if not rules:
+        for question in guesses.questions():
+            raise guesses.unclear(question)
+        rules = guesses.rules
+    found = {q: guesses.find(of.channel, f"channels.{q}.channel")[0] for q, of in rules.items()}
+    loop = is_loop(found) and not mapping.free
+    picks = tuple(_pick(guesses, q, found[q], rules[q], loop) for q in QUANTITIES if q in found)
+    for said in () if mapping.channels else _said(guesses, picks):
+        warnings.warn(RecordWarning(guesses.path, said), stacklevel=2)
     return picks
 
 
-def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pick:
-    """Return the pick of a channel with the times that the mapping or the file gives it."""
+def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untimed: bool) -> Pick:
+    """Return the pick of a channel with the times that the mapping or the file gives it.
+
+    untimed : whether it does without, as a measured loop.
+    """
     raw = guesses.channels[index]
     if raw.stamps:
         raise RecordError(
             f"{guesses.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
         )
-    coordinate = rule.coordinate if guesses.mapping.channels else coordinate_of(raw)
-    factor = rule.sign * rule.scale * _unit(guesses, raw, rule.unit, coordinate.key(quantity))
+    factor = rule.sign * rule.scale
+    factor *= _unit(guesses, raw, rule.unit or unit_of(raw), rule.coordinate.key(quantity))
     pick = Pick(
-        *(quantity, index, raw.name, factor), correction=rule.correction, coordinate=coordinate
+        *(quantity, index, raw.name, factor),
+        correction=rule.correction,
+        coordinate=rule.coordinate,
     )
     if guesses.mapping.sample_rate_hz is not None:
         return replace(pick, rate_hz=guesses.mapping.sample_rate_hz)
-    which, key = rule.time, f"channels.{quantity}.time"
-    if which is None:
-        which, key = guesses.mapping.time, "time.channel"
-    time = guesses.time_of(index) if which is None else guesses.find(which, key)[0]
+    own, key = rule.time, f"channels.{quantity}.time"
+    time = guesses.time_of(index) if own is None else guesses.find(own, key)[0]
     if time == index:
         raise RecordError(f"{guesses.path}: channel {raw.name!r} cannot be its own time")
     if time is not None:
-        seconds = _unit(guesses, guesses.channels[time], guesses.mapping.time_unit, "time")
+        seconds = _unit(guesses, guesses.channels[time], guesses.unit_of_time(time), "time")
         return replace(pick, time=time, time_factor=seconds)
     if raw.fault:
         raise RecordError(raw.fault)
     if raw.rate_hz is not None:
         return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
+    if untimed and not (rule.correction and rule.correction.of_time):
+        return pick
     raise RecordError(
         f"{guesses.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
-        f"no sampling rate. {guesses.proposed('Say when it was sampled')}"
+        f"no sampling rate; say sample_rate_hz in {guesses.where}"
     )
 
 
-def _guesses(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
-    """Yield the guesses about channels without a clear name, and the channels left out: the axis taken of three;
-    signals as long as those read that no name distinguished; a displacement or velocity that only its unit shows, which
-    may be that against a base that moves."""
-    names = guesses.names
-    for axis in (i for i, why in guesses.axes.items() if not why):
-        yield Finding("axis", {"channel": names[axis], "where": guesses.where})
+def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
+    """Yield what is told of the channels read and left out: how a unit or an axis was found; signals as long as those
+    read; a displacement or velocity that only its unit shows, which may be that against a base that moves."""
+    names, where = guesses.names, {"where": guesses.where}
+    yield from (of.said for of in guesses.all.values() if of.said)
+    for time in {pick.time for pick in picks if pick.time is not None}:
+        if unit_of(guesses.channels[time]) is None and not guesses.mapping.time_unit:
+            yield Finding("seconds", {"channel": names[time]} | where)
     sizes = {guesses.channels[pick.index].size for pick in picks}
-    used = {i for pick in picks for i in (pick.index, pick.time)} | {*guesses.axes}
     if unused := [
-        names[i] + f" ({unusable(raw)})" * (unusable(raw) is not None)
-        for i, raw in enumerate(guesses.channels)
-        if i not in used and raw.size in sizes and not holds_time(raw)
+        f"{names[i]} ({of.reason})"
+        for i, of in guesses.all.items()
+        if not of.quantity and guesses.channels[i].size in sizes
     ]:
-        yield Finding("not used", {"channels": first_of(unused), "where": guesses.where})
+        yield Finding("not used", {"channels": first_of(unused)} | where)
     chosen = {pick.quantity: pick.index for pick in picks}
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
-        if moving and quantity in chosen and guesses.named(chosen[quantity]) is None:
-            of = {"channel": names[chosen[quantity]], "quantity": quantity}
-            yield Finding("against the ground", of | {"where": guesses.where})
+        i = chosen.get(quantity)
+        if moving and i is not None and guesses.all[i].reason == BY_UNIT:
+            of = {"channel": names[i], "quantity": quantity}
+            yield Finding("against the ground", of | where)
 
 
-def _unit(guesses: Guesses, raw: RawChannel, given: str | None, quantity: str) -> float:
+def _unit(guesses: Guesses, raw: RawChannel, text: str | None, quantity: str) -> float:
     """Return SI units per unit of the channel."""
-    text = given or unit_of(raw)
     channel = f"{guesses.path}: channel {shortened(raw.name)}"
     key = "time" if quantity == "time" else f"channels.{quantity}"
     si = next((u.name for u in UNITS if u.dimension == DIMENSIONS[quantity]), "s")
-    stated = f": say unit: {si}, or as recorded, at {key} in {guesses.where}"
+    stated = f"say unit: {si}, or as recorded, at {key} in {guesses.where}"
     if text is None:
-        shown = stated if guesses.mapping.channels else f". {guesses.proposed('Give it')}"
-        raise RecordError(f"{channel} has no unit{shown}")
-    if find_other(text) == VOLTAGE and not guesses.mapping.channels:
-        raise RecordError(f"{channel} is in {text}. {guesses.proposed('Give its scale')}")
+        raise RecordError(f"{channel} has no unit: {stated}")
     try:
         return unit_for(text, quantity).factor
     except UnitError as error:
-        remedy = "" if given else f"; if the file is wrong{stated}"
-        if not (guesses.mapping.channels or given) and guesses.complete:
-            remedy = f". {guesses.proposed('Say what it is')}"
-        raise RecordError(f"{channel}: {error}{remedy}") from None
+        raise RecordError(f"{channel}: {error}; if the file is wrong: {stated}") from None
 
 
 def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
@@ -249,7 +233,7 @@ def _checked(
     _warn_of("no numbers", file, this, np.flatnonzero(np.isnan(values)))
     _require_no_overflow(file, pick, values, present)
     if pick.time is None:
-        t = sample_times(pick.rate_hz, pick.start, 0, values.size)
+        t = sample_times(pick.rate_hz or 1.0, pick.start, 0, values.size)
     else:
         time = f"time channel {file.channels[pick.time].name!r}"
         t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
@@ -269,9 +253,10 @@ def _checked(
     missing = np.isnan(signal)
     try:
         of = pick.name, pick.correction, pick.coordinate
+        timed = pick.time is not None or pick.rate_hz > 0.0
         if not missing.any():
-            return Channel(pick.quantity, t, signal, *of)
-        return Channel(pick.quantity, t, _filled(signal, missing), *of, missing)
+            return Channel(pick.quantity, t, signal, *of, timed=timed)
+        return Channel(pick.quantity, t, _filled(signal, missing), *of, missing, timed)
     except ValueError as error:
         raise RecordError(f"{file.path}: {error}") from None
 

@@ -100,6 +100,11 @@ class Record:
         return next((of.coordinate for of in self.channels.values()), TRANSLATION)
 
     @property
+    def timed(self) -> bool:
+        """Whether its samples have times; without, `t` of its channels are numbers of samples."""
+        return all(of.timed for of in self.channels.values())
+
+    @property
     def driven(self) -> bool:
         """Whether there is an excitation; without one it is of free decays."""
         return not self.channels.keys().isdisjoint(EXCITATIONS)
@@ -118,7 +123,8 @@ class Record:
         return tuple(self[q] for q in RESPONSES if q in self)
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the samples: a column for each channel, named with its SI unit, and their times, time_s, as index.
+        """Return the samples: a column for each channel, named with its SI unit, and their times, time_s, as index; the
+        number of each, sample, where they have none.
 
         Raises ValueError where the channels have different times.
         """
@@ -129,12 +135,16 @@ class Record:
             remedy = "take each from the record by its quantity"
             raise ValueError(f"{self.name}: its channels have different times; {remedy}")
         columns = {column_name(of.quantity, of.coordinate): of.as_recorded for of in channels}
-        return pd.DataFrame(columns, index=pd.Index(channels[0].t, name="time_s"))
+        name = "time_s" if self.timed else "sample"
+        return pd.DataFrame(columns, index=pd.Index(channels[0].t, name=name))
 
     def __repr__(self) -> str:
         """Return the contents of the record in a line."""
         held = listed([self.coordinate.noun(quantity) for quantity in self.quantities])
         t = max((of.t for of in self.channels.values()), key=len)
-        sampled = f"{t.size:,} samples from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
+        sampled = f"{t.size:,} samples without times"
+        if self.timed:
+            span = f"from {t[0]:.4g} s to {t[-1]:.4g} s at {mean_rate(t):.6g} Hz"
+            sampled = f"{t.size:,} samples {span}"
         odd = [sentence(one, self.coordinate) for one in self.warnings]
         return f"<record {self.name}: {'; '.join([held, sampled, *odd])}>"

@@ -141,8 +141,8 @@ def table_of(path: Path, signals: Iterable[Signal]) -> Table:
         shape = samples.shape
         several = len(shape) == 2 and min(shape) > 1
         for i in range(min(shape) if several else 1):
-            name = f"{label}[{i + 1}]" if several else label
-            raw = described(path, name, max(shape), stated, folder)
+            raw, number = described(path, label, max(shape), stated, folder), f"[{i + 1}]" * several
+            raw = replace(raw, name=raw.name + number, label=raw.label + number)
             channels.append(replace(raw, unit="s", stamps=True) if stamps else raw)
             wide = len(shape) == 2 and shape[0] < shape[1]
             parts.append((samples, (i,) if wide else (..., *[i] * (len(shape) - 1))))

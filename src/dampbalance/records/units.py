@@ -244,6 +244,11 @@ _ROTATIONAL = {other: own for own, other in _COUNTERPARTS.items()}
 DIMENSIONS |= {q: _ROTATIONAL[DIMENSIONS[of]] for q, of in ROTATING.items()}
 """Dimension of what a channel may hold."""
 
+SI = {**QUANTITIES, "base_velocity": "m/s", "frequency": "Hz", "phase": "rad"} | {
+    **{"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s²/N"}
+}
+"""SI unit of what a column may hold, of a translation."""
+
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
 TABLE_DIMENSIONS = {
     **{"frequency": "frequency", "force": "force"},

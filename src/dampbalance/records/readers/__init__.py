@@ -42,8 +42,7 @@ def opened(path: Path, rules: RecordMapping) -> Iterator[tuple[Table, RecordMapp
 def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, ...]:
     """Return the quantities that names, units and mapping give the channels of a file, without a look at its samples.
     Raises RecordError as `read`."""
-    tables = [*opened(*_named(path, mapping))]
-    picks = [pick for part in tables for pick in picks_of(*part, entire=len(tables) == 1)]
+    picks = [pick for part in opened(*_named(path, mapping)) for pick in picks_of(*part)]
     picked = {pick.quantity for pick in picks}
     return tuple(q for q in QUANTITIES if q in picked)
 

@@ -1,0 +1,142 @@
+"""What the samples of a column show of it, and how two columns belong together, where names and units do not say it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..arrays import Array
+
+_FEWEST = 4  # samples of which it shows that they rise in equal steps
+_ROUNDED = 0.6  # steps; times with too few digits are off by less
+_ENOUGH = 64  # samples that show whether they are noise, and whether a motion dies out
+_LAGS = 8  # over which noise must be uncorrelated
+_NOT_WHITE = 4.0  # standard errors of a correlation
+_LINE = 7.0  # a line of the periodogram of white noise exceeds ln n + 7 in one of a thousand
+_AT_REST = 0.05  # of its peak: a blow leaves a channel this near to rest for 95 % of the time
+_ONE_WAY = 0.3  # of its peak, that a blow goes the other way at the most
+_PARTS = 4  # of a record, each with most of a cycle at least
+_DIED = 0.35  # of the largest range in a part, left in the last
+_BAND = 0.02  # of the strongest line: weaker ones show noise
+_ALIKE = 0.95  # correlation of two columns that are one motion
+_OUTSIDE = 0.1  # of half the range: nearer to its middle a loop may rest
+_ARC = 0.9  # share of the variance that a parabola of another coordinate explains
+
+
+def aside(values: Array) -> str:
+    """Say why a column is no motion; "" for one that moves."""
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return "it is empty" if values.size else "it does not hold numbers"
+    if not np.ptp(finite):
+        return f"constant, {finite[0]:g}"
+    if (step := equal_step(finite)) is not None:
+        kind = "a counter" if counts(finite) else "a time"
+        return f"rises by {step:.6g} from sample to sample: {kind}"
+    if strikes(finite):
+        return "short blows and rest: a hammer"
+    return "noise without a motion" if _is_noise(finite) else ""
+
+
+def equal_step(values: Array) -> float | None:
+    """Return the step of values that rise in equal steps, as times and counters do; None for others."""
+    if values.size < _FEWEST:
+        return None
+    line = np.linspace(values[0], values[-1], values.size)
+    step = float(line[1] - line[0])
+    rises = step > 0.0 and np.diff(values).min() >= 0.0
+    return step if rises and np.abs(values - line).max() < _ROUNDED * step else None
+
+
+def counts(values: Array) -> bool:
+    """Return whether values rise by one, in whole numbers."""
+    return equal_step(values) == 1.0 and not np.any(values % 1.0)
+
+
+def strikes(values: Array) -> bool:
+    """Return whether a channel rests but for short blows one way; a spike of one or two samples is none."""
+    if values.size < _ENOUGH:
+        return False
+    middle = np.median([values[:-2], values[1:-1], values[2:]], axis=0)
+    off = middle - np.median(middle)
+    peak, other = sorted([off.max(), -off.min()], reverse=True)
+    rests = np.quantile(np.abs(off), 0.95) <= _AT_REST * peak
+    return bool(rests and other <= _ONE_WAY * peak)
+
+
+def _is_noise(values: Array) -> bool:
+    """Return whether samples are white: no correlation from one to the next, and no line in the spectrum."""
+    n = values.size
+    if n < _ENOUGH:
+        return False
+    at = np.arange(n)
+    off = values - np.polyval(np.polyfit(at, values, 1), at)
+    total = float(off @ off) or 1.0
+    lags = [float(off[lag:] @ off[:-lag]) / total for lag in range(1, _LAGS + 1)]
+    power = np.abs(np.fft.rfft(off)[1:]) ** 2
+    quiet = power.max() < (math.log(power.size) + _LINE) * power.mean()
+    return bool(quiet and max(map(abs, lags)) < _NOT_WHITE / math.sqrt(n))
+
+
+def dies_out(values: Array) -> bool:
+    """Return whether a motion has mostly decayed at the end of its record."""
+    finite = values[np.isfinite(values)]
+    if finite.size < _ENOUGH:
+        return False
+    turns = np.count_nonzero(np.diff(finite > np.median(finite)))
+    ranges = [float(np.ptp(part)) for part in np.array_split(finite, _PARTS)]
+    return turns >= _PARTS and ranges[-1] < _DIED * max(ranges)
+
+
+def slope(values: Array, other: Array, dt: float, order: int = 1) -> float | None:
+    """Return by how much another column is more than the time derivative of one; None where it is none.
+
+    Only lines that both have are compared, so that noise counts little.   dt : s.   order : 2 for the second one.
+    """
+    if values.size != other.size or values.size < _ENOUGH:
+        return None
+    taper = np.hanning(values.size)
+    A, B = (np.fft.rfft(np.nan_to_num(of - np.nanmean(of)) * taper) for of in (values, other))
+    D = (2j * math.pi * np.fft.rfftfreq(values.size, dt)) ** order * A
+    product = np.abs(A * B)
+    clear = product > _BAND * product.max()
+    common = float(np.sum(D[clear].conj() * B[clear]).real)
+    own, its = (float(np.sum(np.abs(of[clear]) ** 2)) for of in (D, B))
+    alike = own > 0.0 and its > 0.0 and abs(common) > _ALIKE * math.sqrt(own * its)
+    return common / own if alike else None
+
+
+def same_motion(values: Array, other: Array) -> bool:
+    """Return whether two columns move in proportion."""
+    both = np.isfinite(values) & np.isfinite(other) if values.size == other.size else np.zeros(0)
+    if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
+        return False
+    return bool(abs(np.corrcoef(values[both], other[both])[0, 1]) > _ALIKE)
+
+
+def is_arc(values: Array, other: Array) -> bool:
+    """Return whether a column is the height of a bob whose other coordinate is given: a parabola over it, no line."""
+    if values.size != other.size or values.size < _ENOUGH:
+        return False
+    both = np.isfinite(values) & np.isfinite(other)
+    y, x = values[both], other[both] - np.mean(other[both])
+    left = [float(np.var(y - np.polyval(np.polyfit(x, y, n), x))) for n in (1, 2)]
+    whole = float(np.var(y))
+    return left[1] < (1.0 - _ARC) * whole and left[0] > 0.5 * whole
+
+
+def turns(values: Array, other: Array) -> float:
+    """Return how often two columns go round their middle, clockwise with the other one upwards; 0 where they do not do
+    so in each period."""
+    both = np.isfinite(values) & np.isfinite(other) if values.size == other.size else np.zeros(0)
+    if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
+        return 0.0
+    middled = (of[both] - 0.5 * (of[both].max() + of[both].min()) for of in (values, other))
+    x, y = (2.0 * of / np.ptp(of) for of in middled)
+    outside = np.hypot(x, y) > _OUTSIDE
+    angle = np.unwrap(np.arctan2(y[outside], x[outside]))
+    clockwise = float(angle[0] - angle[-1]) / (2.0 * math.pi)
+    sides = np.sign(x[np.abs(x) > _OUTSIDE])
+    periods = 0.5 * np.count_nonzero(np.diff(sides))
+    return clockwise if abs(clockwise) > _ARC * max(1.0, periods - 0.5) else 0.0
