@@ -155,7 +155,7 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule) -> Pic
         seconds = _unit(guesses, guesses.channels[time], guesses.mapping.time_unit, "time")
         return replace(pick, time=time, time_factor=seconds)
     if raw.fault:
-        raise RecordError(raw.fault)
+        raise RecordError(f"{guesses.path}: {raw.fault}")
     if raw.rate_hz is not None:
         return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
     raise RecordError(
