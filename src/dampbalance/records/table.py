@@ -140,12 +140,14 @@ def channels_of(
     wide = len(shape) == 2 and shape[0] < shape[1]
     channels = []
     for i in range(min(shape) if len(shape) == 2 else 1):
-        of = f"{label}[{i + 1}]" if len(shape) == 2 and min(shape) > 1 else label
-        name, own = split_label(of)
+        (name, own), number = (
+            split_label(label),
+            f"[{i + 1}]" * (len(shape) == 2 and min(shape) > 1),
+        )
         part = (i,) if wide else (..., *[i] * (len(shape) - 1))
         raw = RawChannel(
-            name=f"{folder}{name}",
-            label=f"{folder}{of}",
+            name=f"{folder}{name}{number}",
+            label=f"{folder}{label}{number}",
             unit="s" if stamps else unit_among(stated) or own,
             size=max(shape),
             stamps=stamps,
