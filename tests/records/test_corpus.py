@@ -254,7 +254,7 @@ def test_channels_of_several_files_are_looked_for_where_the_mapping_says(tmp_pat
     mapping = tmp_path / "run.yaml"
     text = mapping.read_text(encoding="utf-8")
     for old, new, message in (
-        ("acc/run.dat", "acc/none.dat", r"acc/none\.dat: cannot be opened: no such file"),
+        ("acc/run.dat", "acc/none.dat", r"acc/none\.dat: no such file"),
         (
             "channel: 1",
             "channel: 2",

@@ -77,7 +77,7 @@ def checked_format(path: Path) -> Format:
             head = stream.read(_HEAD)
     except OSError as error:
         name = shortened(str(path), 200)[1:-1]
-        raise RecordError(f"{name}: cannot be opened: {str(error.strerror).lower()}") from None
+        raise RecordError(f"{name}: {str(error.strerror).lower()}") from None
     if named is None:
         every = ", ".join(dict.fromkeys(end for of in FORMATS.values() for end in of.suffixes))
         raise RecordError(
