@@ -208,7 +208,7 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
     path = Path(name)
     if isinstance(signals, Table):
         return replace(signals, path=path)
-    held = {label: samples_of(values) for label, values in _columns(signals).items()}
+    held = {label: samples_of(values) for label, values in _flat(signals)}
     timing = {k: v for k, (v, _) in held.items() if k.lower() in TIMING_NAMES and v.size == 1}
     channels = list[RawChannel]()
     for label, (samples, stamps) in held.items():
@@ -224,35 +224,31 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
 def is_table(record: object) -> bool:
     """Return whether something is the signals of a record: a mapping, a table of pandas, an array of numbers or one
     with named fields, a `Table`."""
-    of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
-    array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or _fields(record))
-    named = isinstance(record, Mapping | Table) or of_pandas or bool(array)
-    return named and not isinstance(record, type)
+    array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or record.dtype.names)
+    return isinstance(record, Mapping | Table) or _is_frame(record) or bool(array)
 
 
-def _fields(signals: Any) -> tuple[str, ...]:
-    """Return the names of the fields of an array; none for anything else."""
-    return getattr(getattr(signals, "dtype", None), "names", None) or ()
+def _is_frame(record: object) -> bool:
+    return hasattr(type(record), "columns") and hasattr(type(record), "attrs")  # of pandas
 
 
-def _columns(signals: Signals) -> dict[str, Any]:
-    if isinstance(signals, Mapping):
-        return {
-            f"{name}.{field}" if field else str(name): values[field] if field else values
-            for name, values in signals.items()
-            for field in _fields(values) or ("",)
-        }
-    if fields := _fields(signals):
-        return {name: signals[name] for name in fields}
-    if isinstance(signals, np.ndarray):
-        return {"column": signals}
-    stated = {str(k): v for k, v in signals.attrs.items() if str(k).lower() in TIMING_NAMES}
-    index = {} if signals.index.name is None else {str(signals.index.name): signals.index}
-    names = [str(name) for name in signals.columns]
-    twice = next((name for name in names if names.count(name) > 1 or name in index), None)
-    if twice is not None:
-        raise RecordError(f"the table has two columns {shortened(twice)}; give each its own name")
-    return stated | index | {str(name): signals[name] for name in signals.columns}
+def _flat(held: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the signals in a table, a mapping or the fields of an array, those in these by their paths."""
+    if _is_frame(held):
+        stated = {k: v for k, v in held.attrs.items() if str(k).lower() in TIMING_NAMES}
+        frame = held if held.index.name is None else held.reset_index(allow_duplicates=True)
+        names = [str(of) for of in frame.columns]
+        if twice := [of for of in names if names.count(of) > 1]:
+            remedy = "give each its own name"
+            raise RecordError(f"the table has two columns {shortened(twice[0])}; {remedy}")
+        held = stated | {of: frame.iloc[:, i] for i, of in enumerate(names)}
+    elif fields := getattr(getattr(held, "dtype", None), "names", None):
+        held = {of: held[of] for of in fields}
+    if not isinstance(held, Mapping):
+        yield name or "column", held
+        return
+    for key, values in held.items():
+        yield from _flat(values, f"{name}.{key}" if name else str(key))
 
 
 def samples_of(values: Any) -> tuple[Any, bool]:
