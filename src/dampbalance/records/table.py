@@ -136,24 +136,17 @@ def channels_of(
     stated : what is known of them, whatever it is called; unit, rate, step and first time are taken from it.
     folder : that they stand in, up to its last slash.   stamps : whether they are points in time, now in s.
     """
-    shape = samples.shape
+    name, own = split_label(label)
+    unit = "s" if stamps else unit_among(stated) or own
+    timing, shape = _timing(f"{folder}{label}", stated), samples.shape
     wide = len(shape) == 2 and shape[0] < shape[1]
     channels = []
     for i in range(min(shape) if len(shape) == 2 else 1):
-        (name, own), number = (
-            split_label(label),
-            f"[{i + 1}]" * (len(shape) == 2 and min(shape) > 1),
-        )
+        number = f"[{i + 1}]" * (len(shape) == 2 and min(shape) > 1)
         part = (i,) if wide else (..., *[i] * (len(shape) - 1))
-        raw = RawChannel(
-            name=f"{folder}{name}{number}",
-            label=f"{folder}{label}{number}",
-            unit="s" if stamps else unit_among(stated) or own,
-            size=max(shape),
-            stamps=stamps,
-            load=partial(samples.__getitem__, part),
-        )
-        channels.append(replace(raw, **_timing(raw.label, stated)))
+        load = partial(samples.__getitem__, part)
+        of = timing | {"label": f"{folder}{label}{number}", "stamps": stamps, "load": load}
+        channels.append(RawChannel(f"{folder}{name}{number}", unit, max(shape), **of))
     return channels
 
 
