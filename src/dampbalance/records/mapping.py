@@ -12,19 +12,19 @@ from __future__ import annotations
 
 import cmath
 import math
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..arguments import path
+from ..arguments import Bounds, path
 from ..arrays import ReadOnly
 from .channel import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError
-from .units import UnitError, table_factor, unit_for
+from .quantities import quantity
+from .units import table_factor, unit_for
 
 SCHEMA = Path(__file__).parents[1] / "project/schemas/mapping.schema.yaml"
 FOLDER_FILE = "channels.yaml"
@@ -121,9 +121,9 @@ def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMap
     """Return each file of a record with the part of its mapping that is about it."""
     record = Path(record)
     files: dict[Path, dict[str, ChannelRule]] = {}
-    for quantity, rule in mapping.channels.items():
+    for of, rule in mapping.channels.items():
         file = record if rule.file is None else record.parent / rule.file
-        files.setdefault(file, {})[quantity] = rule
+        files.setdefault(file, {})[of] = rule
     if len(files) < 2:
         return dict.fromkeys(files or [record], mapping)
     return {file: replace(mapping, channels=ReadOnly(of)) for file, of in files.items()}
@@ -159,13 +159,13 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     return RecordMapping(source, rules, time.get("channel"), time.get("unit"), table=table, **keys)
 
 
-def _rule(quantity: str, stated: Mapping[str, Any]) -> ChannelRule:
+def _rule(of: str, stated: Mapping[str, Any]) -> ChannelRule:
     plain = {key: value for key, value in stated.items() if key not in _CORRECTED}
     low, high = (tuple(_poles(stated.get(key, {}))) for key in _FILTERS)
     gain, delay = float(stated.get("gain", 1.0)), _seconds(stated.get("delay", 0.0))
     errors = (_seconds(stated.get(f"{key}_uncertainty", 0.0)) for key in ("gain", "delay"))
     correction = None if plain == stated else Correction(gain, delay, low, high, *errors)
-    coordinate = ROTATION if quantity in ROTATING else TRANSLATION
+    coordinate = ROTATION if of in ROTATING else TRANSLATION
     return ChannelRule(**plain, correction=correction, coordinate=coordinate)
 
 
@@ -179,7 +179,7 @@ def _contradictions(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str | i
             try:
                 if part in rule:
                     read(rule[part])
-            except UnitError as error:
+            except ValueError as error:
                 yield (*key, part), str(error)
     rotating = [q for q in channels if q in ROTATING]
     if rotating and (others := [q for q in channels if q not in ROTATING]):
@@ -190,23 +190,15 @@ def _contradictions(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str | i
         needed = f"one of {', '.join(EXCITATIONS)}, or none for a free decay"
         yield ("channels",), f"needs {needed}, and at least one of {', '.join(RESPONSES)}"
     holder: dict[tuple[str | int, str | None], str] = {}
-    for quantity, rule in channels.items():
-        other = holder.setdefault((rule["channel"], rule.get("file")), quantity)
-        if other != quantity:
+    for of, rule in channels.items():
+        other = holder.setdefault((rule["channel"], rule.get("file")), of)
+        if other != of:
             problem = f"{rule['channel']!r} is {other} already; a channel holds one quantity"
-            yield ("channels", quantity, "channel"), problem
+            yield ("channels", of, "channel"), problem
 
 
 def _seconds(delay: float | str) -> float:
-    """Return a delay in s: a number, or a text of a number and a unit of time. Raises UnitError."""
-    if not isinstance(delay, str):
-        return float(delay)
-    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S+)\s*", delay)
-    if not match:
-        raise UnitError(
-            f"{delay!r} is no time: give s as a number, or a number and its unit, 200 µs"
-        )
-    return float(match[1]) * unit_for(match[2], "time").factor
+    return quantity("the delay", delay, Bounds("s", -1e6, 1e6))
 
 
 def _poles(stated: Mapping[str, Any]) -> Iterator[complex]:

@@ -77,22 +77,17 @@ def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
     Raises UnitError: not known (with the nearest known one), or of another dimension.
     """
     wanted = dimension or DIMENSIONS[quantity]
-    fitting = [unit.name for unit in UNITS if unit.dimension == wanted]
     unit = find_unit(text, wanted)
-    if unit is None:
-        names = [unit.name for unit in UNITS]
-        alike = [name for name in names if name.casefold() == text.strip().casefold()]
-        near = alike or difflib.get_close_matches(text.strip(), names, n=1)
-        hint = f" (did you mean {near[0]}?)" if near else ""
-        other = find_other(text)
-        what = f"{text!r} is a unit of {other}" if other else f"unknown unit {shortened(text)}"
-        raise UnitError(f"{what}{hint}; known for {wanted}: {', '.join(fitting)}")
-    if unit.dimension != wanted:
-        raise UnitError(
-            f"{text!r} is a unit of {unit.dimension}, but {quantity.replace('_', ' ')} needs one of {wanted}: "
-            f"{', '.join(fitting)}"
-        )
-    return unit
+    if unit and unit.dimension == wanted:
+        return unit
+    what = f"{text!r} is a unit of {unit.dimension if unit else find_other(text)}"
+    if not unit and not find_other(text):
+        folded = {known.name.casefold(): known.name for known in UNITS}
+        near = difflib.get_close_matches(text.strip().casefold(), folded, n=1)
+        hint = f" (did you mean {folded[near[0]]}?)" if near else ""
+        what = f"unknown unit {shortened(text)}{hint}"
+    fitting = ", ".join(unit.name for unit in UNITS if unit.dimension == wanted)
+    raise UnitError(f"{what}, but {quantity.replace('_', ' ')} needs one of {wanted}: {fitting}")
 
 
 def split_label(label: str) -> tuple[str, str | None]:
