@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -150,6 +150,11 @@ def channels_of(
     return channels
 
 
+def table_of(path: Path, signals: Iterable[Sequence[RawChannel]]) -> Table:
+    """Return the table of the channels of several signals."""
+    return Table(path, [raw for signal in signals for raw in signal])
+
+
 def _timing(label: str, stated: Mapping[str, object]) -> dict[str, Any]:
     """Return rate and first time of a channel as stated, or the fault of one that is no number in its range."""
     values = {str(key).lower(): np.asarray(value) for key, value in stated.items()}
@@ -203,15 +208,14 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
         return replace(signals, path=path)
     held = {label: samples_of(values) for label, values in _flat(signals)}
     timing = {k: v for k, (v, _) in held.items() if k.lower() in TIMING_NAMES and v.size == 1}
-    channels = list[RawChannel]()
-    for label, (samples, stamps) in held.items():
-        if samples.ndim not in (1, 2) and label not in timing:
+    signals = {label: one for label, one in held.items() if label not in timing}
+    for label, (samples, _) in signals.items():
+        if samples.ndim not in (1, 2):
             what = f"has the shape {samples.shape}" if samples.ndim else "is a single value"
             remedy = "give each signal as an array of its samples, under its own name"
             raise RecordError(f"{path}: {shortened(label)} {what}; {remedy}")
-        if label not in timing:
-            channels += channels_of(label, samples, timing, "", stamps)
-    return Table(path, channels)
+    of = (channels_of(label, one, timing, "", stamps) for label, (one, stamps) in signals.items())
+    return table_of(path, of)
 
 
 def is_table(record: object) -> bool:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordError, library
-from ..table import TIMING_NAMES, UNIT_NAMES, RawChannel, Table, Unread, channels_of, signals_file
+from ..table import TIMING_NAMES, UNIT_NAMES, Table, Unread, channels_of, signals_file, table_of
 from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
@@ -45,13 +45,13 @@ def hdf5_file(path: Path) -> Table:
             for name, d, _ in datasets
             if d.size == 1 and (last := name.rpartition("/")[2]).lower() in TIMING_NAMES
         }
-        channels = list[RawChannel]()
+        signals = []
         for name, data, stated in datasets:
             if data.ndim in (1, 2) and data.size > 1:
                 folder, slash, last = name.rpartition("/")
                 held = Unread(data.shape, partial(read, name))
-                channels += channels_of(last, held, scalars | stated, folder + slash)
-    return Table(path, channels)
+                signals.append(channels_of(last, held, scalars | stated, folder + slash))
+    return table_of(path, signals)
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
@@ -99,11 +99,12 @@ def matlab_file(path: Path) -> Table:
         for name, (value, _) in fields.items()
         if np.size(value) == 1 and (last := name.rpartition(".")[2]).lower() in TIMING_NAMES
     }
-    channels = list[RawChannel]()
-    for name, (value, unit) in fields.items():
-        if _is_signal(value):
-            channels += channels_of(name, np.asarray(value), stated | {"unit": unit})
-    return Table(path, channels)
+    signals = [
+        channels_of(name, np.asarray(value), stated | {"unit": unit})
+        for name, (value, unit) in fields.items()
+        if _is_signal(value)
+    ]
+    return table_of(path, signals)
 
 
 def _is_signal(value: Any) -> bool:
