@@ -15,7 +15,8 @@ from typing import Any
 
 from ..model import named_with_unit
 
-_TOKEN = re.compile(r"kg|(?<![a-zµ])k?N|(?<![a-zµ])([µmn]?)m(?=[²³/ ]|$)")
+_LENGTH = re.compile(r"(?<![a-zµ])([µmn]?)m(?=[²³/ ]|$)")
+_FORCE = re.compile(r"(?<![a-zµ])(k?N)")
 _FRICTION = re.compile(r"(?<![A-Za-z])F_k(?![A-Za-z])")
 _NOUNS = {
     "displacement": "angle",
@@ -43,7 +44,7 @@ class Coordinate:
         mm."""
         if self == TRANSLATION or "rad" in unit or unit in ("N m", "kN m", "kg m²"):
             return unit
-        return _TOKEN.sub(_rotating, unit)
+        return _FORCE.sub(r"\1 m", _LENGTH.sub(r"\1rad", unit)).replace("kg", "kg m²")
 
     def symbol(self, symbol: str) -> str:
         """Return the symbol of a number: T_k for F_k, J for m."""
@@ -102,9 +103,3 @@ ROTATION = Coordinate("rotation")
 _UNITS = "N, N/m, N/m², N/m³, N s/m, N s²/m², N s³/m³, kg, m, m/s, m/s², m²/s, m³/s², m⁴/s³"
 _KEYED = {named_with_unit("", unit): unit for unit in _UNITS.split(", ")}
 """Units that columns and keys are named with, by how they are written there."""
-
-
-def _rotating(token: re.Match[str]) -> str:
-    if token[0] == "kg":
-        return "kg m²"
-    return f"{token[0]} m" if token[0].endswith("N") else f"{token[1]}rad"
