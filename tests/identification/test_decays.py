@@ -536,7 +536,7 @@ def test_options_of_forced_records_are_refused(tmp_path, options):
             {"x": 1e-3, "channels": ("force",)},
             r"unknown channels \['force'\]; known are displacement, ",
         ),
-        ({"x": 1e-3, "duration": 0.001}, "ask for 2 at least"),
+        ({"x": 1e-3, "duration": 0.001}, "at least 2 are needed"),
     ],
 )
 def test_a_release_that_makes_no_sense_is_refused(arguments, message):

@@ -316,8 +316,8 @@ def test_a_mapping_says_what_a_table_does_not(tmp_path):
         read_records(path, mapping={"table": mapping})
     for wrong, message in (
         ({"table": mapping | {"phase": {"channel": 4, "unit": "m"}}}, "table.phase.unit"),
-        ({"table": {q: mapping[q] for q in ("frequency", "force", "displacement")}}, "needs frequency and phase"),
-        ({"table": mapping, "channels": {"force": {"channel": 1}}}, "not together with channels"),
+        ({"table": {q: mapping[q] for q in ("frequency", "force", "displacement")}}, "table.phase: missing"),
+        ({"table": mapping, "channels": {"force": {"channel": 1}}}, "Not together with table"),
     ):  # fmt: skip
         with pytest.raises(RecordError, match=message):
             read_records(path, mapping=wrong)

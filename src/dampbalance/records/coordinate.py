@@ -15,10 +15,8 @@ from typing import Any
 
 from ..model import named_with_unit
 
-_TOKEN = re.compile(r"kg|(?<![a-zµ])k?N|(?<![a-zµ])([µmn]?)m(?=[²³/ ]|$)")
-_UNIT_IN_KEY = re.compile(
-    r"_(N_s_per_m|N_s2_per_m2|N_s3_per_m3|N_per_m[23]?|N|kg|m_per_s2?|m2_per_s|m3_per_s2|m4_per_s3|m)$"
-)
+_LENGTH = re.compile(r"(?<![a-zµ])([µmn]?)m(?=[²³/ ]|$)")
+_FORCE = re.compile(r"(?<![a-zµ])(k?N)")
 _FRICTION = re.compile(r"(?<![A-Za-z])F_k(?![A-Za-z])")
 _FORCES = ("F_k", "F+", "F−")
 _NOUNS = {
@@ -47,7 +45,7 @@ class Coordinate:
         mm."""
         if self == TRANSLATION or "rad" in unit or unit in ("N m", "kN m", "kg m²"):
             return unit
-        return _TOKEN.sub(_rotating, unit)
+        return _FORCE.sub(r"\1 m", _LENGTH.sub(r"\1rad", unit)).replace("kg", "kg m²")
 
     def symbol(self, symbol: str) -> str:
         """Return the symbol of a number: T_k for F_k, J for m."""
@@ -72,10 +70,10 @@ class Coordinate:
             return "J" if name == "m" else "J_kg_m2"
         if name.startswith(("m_standard_error", "m_percent")):
             name = f"J{name[1:]}"
-        ended = _UNIT_IN_KEY.search(name)
-        if ended and not re.search(r"_(N_m|rad)", name):
-            unit = next(unit for unit in _KEYED if named_with_unit("", unit) == ended[0])
-            name = named_with_unit(name[: ended.start()], self.unit(unit))
+        ends = [end for end in _KEYED if name.endswith(end)]
+        if ends and not re.search(r"_(N_m|rad)", name):
+            end = max(ends, key=len)
+            name = named_with_unit(name.removesuffix(end), self.unit(_KEYED[end]))
         return _FRICTION.sub("T_k", self.noun(name).replace(" ", "_"))
 
     def label(self, symbol: str, unit: str) -> str:
@@ -103,14 +101,6 @@ TRANSLATION = Coordinate("translation")
 ROTATION = Coordinate("rotation")
 """An angle in rad, a torque in N m, a moment of inertia in kg m²."""
 
-_KEYED = (
-    *("N", "N/m", "N/m²", "N/m³", "N s/m", "N s²/m²", "N s³/m³", "kg", "m", "m/s", "m/s²"),
-    *("m²/s", "m³/s²", "m⁴/s³"),
-)
-"""Units that columns and keys are named with."""
-
-
-def _rotating(token: re.Match[str]) -> str:
-    if token[0] == "kg":
-        return "kg m²"
-    return f"{token[0]} m" if token[0].endswith("N") else f"{token[1]}rad"
+_UNITS = "N, N/m, N/m², N/m³, N s/m, N s²/m², N s³/m³, kg, m, m/s, m/s², m²/s, m³/s², m⁴/s³"
+_KEYED = {named_with_unit("", unit): unit for unit in _UNITS.split(", ")}
+"""Units that columns and keys are named with, by how they are written there."""

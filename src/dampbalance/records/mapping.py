@@ -12,19 +12,19 @@ from __future__ import annotations
 
 import cmath
 import math
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..arguments import path
+from ..arguments import Bounds, path
 from ..arrays import ReadOnly
 from .channel import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError
-from .units import TABLE_DIMENSIONS, UnitError, table_factor, unit_for
+from .quantities import quantity
+from .units import table_factor, unit_for
 
 SCHEMA = Path(__file__).parents[1] / "project/schemas/mapping.schema.yaml"
 FOLDER_FILE = "channels.yaml"
@@ -124,9 +124,9 @@ def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMap
     """Return each file of a record with the part of its mapping that is about it."""
     record = Path(record)
     files: dict[Path, dict[str, ChannelRule]] = {}
-    for quantity, rule in mapping.channels.items():
+    for of, rule in mapping.channels.items():
         file = record if rule.file is None else record.parent / rule.file
-        files.setdefault(file, {})[quantity] = rule
+        files.setdefault(file, {})[of] = rule
     if len(files) < 2:
         return dict.fromkeys(files or [record], mapping)
     return {file: replace(mapping, channels=ReadOnly(of)) for file, of in files.items()}
@@ -140,8 +140,6 @@ def read_mapping(file: str | Path) -> RecordMapping:
         document = read_yaml(file)
     except ConfigurationError as error:
         raise RecordError(str(error)) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise RecordError(f"{file}: not readable as a mapping: {error}") from None
     return mapping_from(document, str(file))
 
 
@@ -160,13 +158,9 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
         keys["delimiter"] = keys["delimiter"].replace("\\t", "\t")
     if "level" in keys:
         keys["level"] = str(keys["level"])
-    if "table" in keys:
-        keys["table"] = ReadOnly({q: ChannelRule(**rule) for q, rule in keys["table"].items()})
-    rules = {ROTATING.get(quantity, quantity): _rule(rule) for quantity, rule in channels.items()}
-    for quantity in ROTATING.keys() & channels.keys():
-        canonical = ROTATING[quantity]
-        rules[canonical] = replace(rules[canonical], coordinate=ROTATION)
-    return RecordMapping(source, ReadOnly(rules), time.get("channel"), time.get("unit"), **keys)
+    table = ReadOnly({q: _rule(q, rule) for q, rule in keys.pop("table", {}).items()})
+    rules = ReadOnly({ROTATING.get(q, q): _rule(q, rule) for q, rule in channels.items()})
+    return RecordMapping(source, rules, time.get("channel"), time.get("unit"), table=table, **keys)
 
 
 def blanks_in(document: Any) -> list[tuple[tuple[str | int, ...], str]]:
@@ -182,78 +176,46 @@ def blanks_in(document: Any) -> list[tuple[tuple[str | int, ...], str]]:
     return found
 
 
-def _rule(stated: Mapping[str, Any]) -> ChannelRule:
+def _rule(of: str, stated: Mapping[str, Any]) -> ChannelRule:
     plain = {key: value for key, value in stated.items() if key not in _CORRECTED}
-    if plain == stated:
-        return ChannelRule(**plain)
     low, high = (tuple(_poles(stated.get(key, {}))) for key in _FILTERS)
     gain, delay = float(stated.get("gain", 1.0)), _seconds(stated.get("delay", 0.0))
     errors = (_seconds(stated.get(f"{key}_uncertainty", 0.0)) for key in ("gain", "delay"))
-    return ChannelRule(**plain, correction=Correction(gain, delay, low, high, *errors))
+    correction = None if plain == stated else Correction(gain, delay, low, high, *errors)
+    coordinate = ROTATION if of in ROTATING else TRANSLATION
+    return ChannelRule(**plain, correction=correction, coordinate=coordinate)
 
 
-def _contradictions(document: Mapping[str, Any]) -> Iterable[tuple[tuple[str | int, ...], str]]:
-    """Yield the problems that a schema cannot state: units that do not fit, keys that exclude each other."""
-    sections = {of: document.get(of, {}) for of in ("channels", "table")}
-    channels, columns = sections.values()
-    rules: dict[tuple[str | int, ...], Any] = {
-        (of, q): r for of in sections for q, r in sections[of].items()
-    }
-    timed = [(*key, "time") for key, rule in rules.items() if "time" in rule]
-    if "sample_rate_hz" in document:
-        for key in [*timed, ("time",)] if "time" in document else timed:
-            yield key, "not together with sample_rate_hz; keep one"
-    if columns and channels:
-        yield ("table",), "not together with channels; keep one"
-    if columns and ("frequency" not in columns or "phase" not in columns):
-        needed = ", ".join(TABLE_DIMENSIONS)
-        yield ("table",), f"needs frequency and phase, and a response ({needed})"
-    for key, rule in {**rules, ("time",): document.get("time", {})}.items():
-        unit = partial(table_factor if key[0] == "table" else unit_for, quantity=str(key[-1]))
-        readers = ("unit", unit), ("delay", _seconds), ("delay_uncertainty", _seconds)
-        for part, read in readers:
-            if part in rule:
-                try:
+def _contradictions(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], str]]:
+    """Yield the problems that a schema cannot state: units that do not fit, and what channels may not hold together."""
+    channels = document.get("channels", {})
+    rules = {(of, q): r for of in ("channels", "table") for q, r in document.get(of, {}).items()}
+    for key, rule in (*rules.items(), (("time",), document.get("time", {}))):
+        unit = partial(table_factor if key[0] == "table" else unit_for, quantity=key[-1])
+        for part, read in (("unit", unit), ("delay", _seconds), ("delay_uncertainty", _seconds)):
+            try:
+                if part in rule:
                     read(rule[part])
-                except UnitError as error:
-                    yield (*key, part), str(error)
-        for part in _FILTERS:
-            stated = rule.get(part, {})
-            if part in rule and ("corner_hz" in stated) == ("poles_rad_per_s" in stated):
-                problem = "needs corner_hz, with its order, or poles_rad_per_s: one of the two"
-                yield (*key, part), problem
-            elif "order" in stated and "corner_hz" not in stated:
-                problem = "order belongs to corner_hz, poles_rad_per_s have none; leave it out"
-                yield (*key, part), problem
+            except ValueError as error:
+                yield (*key, part), str(error)
     rotating = [q for q in channels if q in ROTATING]
     if rotating and (others := [q for q in channels if q not in ROTATING]):
         problem = f"holds {rotating[0]} and {others[0]}: a record rotates or moves along a line; keep one kind"
         yield ("channels",), problem
     stated = {ROTATING.get(q, q) for q in channels}
-    driving, answering = ([q for q in of if q in stated] for of in (EXCITATIONS, RESPONSES))
-    if channels and (not answering or len(driving) > 1):
+    if channels and (stated.isdisjoint(RESPONSES) or len(stated & {*EXCITATIONS}) > 1):
         needed = f"one of {', '.join(EXCITATIONS)}, or none for a free decay"
         yield ("channels",), f"needs {needed}, and at least one of {', '.join(RESPONSES)}"
     holder: dict[tuple[str | int, str | None], str] = {}
-    for quantity, rule in channels.items():
-        other = holder.setdefault((rule["channel"], rule.get("file")), quantity)
-        if other != quantity:
+    for of, rule in channels.items():
+        other = holder.setdefault((rule["channel"], rule.get("file")), of)
+        if other != of:
             problem = f"{rule['channel']!r} is {other} already; a channel holds one quantity"
-            yield ("channels", quantity, "channel"), problem
-    if document.get("delimiter") == "," == document.get("decimal"):
-        yield ("decimal",), "is the delimiter, too; give two different marks"
+            yield ("channels", of, "channel"), problem
 
 
 def _seconds(delay: float | str) -> float:
-    """Return a delay in s: a number, or a text of a number and a unit of time. Raises UnitError."""
-    if not isinstance(delay, str):
-        return float(delay)
-    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S+)\s*", delay)
-    if not match:
-        raise UnitError(
-            f"{delay!r} is no time: give s as a number, or a number and its unit, 200 µs"
-        )
-    return float(match[1]) * unit_for(match[2], "time").factor
+    return quantity("the delay", delay, Bounds("s", -1e6, 1e6))
 
 
 def _poles(stated: Mapping[str, Any]) -> Iterator[complex]:

@@ -28,6 +28,7 @@ _EXAMPLES = {
     "Hz": '"3.5 Hz" or "210 rpm"',
     "m": '"4 mm" or "0.16 in"',
     "N": '"1.3 N" or "0.3 lbf"',
+    "s": '"200 µs" or "0.1 s"',
     "N s/m": '"0.09 N s/mm" or "0.5 lbf s/in"',
 }
 

@@ -143,7 +143,7 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untime
         seconds = _unit(guesses, guesses.channels[time], guesses.unit_of_time(time), "time")
         return replace(pick, time=time, time_factor=seconds)
     if raw.fault:
-        raise RecordError(raw.fault)
+        raise RecordError(f"{guesses.path}: {raw.fault}")
     if raw.rate_hz is not None:
         return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
     if untimed and not (rule.correction and rule.correction.of_time):

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import instance, items, mapping, text
-from ..arrays import ReadOnly
+from ..arrays import Array, ReadOnly
 from ..findings.finding import Finding
 from ..findings.words import sentence
 from ..project.wording import listed
-from .channel import EXCITATIONS, RESPONSES, Channel, mean_rate, require_one_coordinate
+from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, mean_rate, require_one_coordinate
 from .coordinate import TRANSLATION, Coordinate
 from .mapping import RecordMapping
 from .units import column_name
@@ -122,6 +122,18 @@ class Record:
         """The channels of the mass, in the order of `RESPONSES`."""
         return tuple(self[q] for q in RESPONSES if q in self)
 
+    def columns(self) -> dict[str, Array]:
+        """Return the samples by column, named with its SI unit, with their times before them: time_s for all channels,
+        or displacement_time_s for each where they differ; sample, the number of each, where they have none."""
+        channels = [self[q] for q in QUANTITIES if q in self]
+        shared = all(np.array_equal(of.t, channels[0].t) for of in channels)
+        columns: dict[str, Array] = {}
+        for of in channels:
+            times = "time_s" if shared else f"{of.coordinate.key(of.quantity)}_time_s"
+            times = times if self.timed else "sample"
+            columns |= {times: of.t, column_name(of.quantity, of.coordinate): of.as_recorded}
+        return columns
+
     def to_frame(self) -> pd.DataFrame:
         """Return the samples: a column for each channel, named with its SI unit, and their times, time_s, as index; the
         number of each, sample, where they have none.
@@ -130,13 +142,12 @@ class Record:
         """
         import pandas as pd  # slow to import
 
-        channels = [*self.channels.values()]
-        if not all(np.array_equal(of.t, channels[0].t) for of in channels):
+        columns = self.columns()
+        index = next(iter(columns))
+        if index not in ("time_s", "sample"):
             remedy = "take each from the record by its quantity"
             raise ValueError(f"{self.name}: its channels have different times; {remedy}")
-        columns = {column_name(of.quantity, of.coordinate): of.as_recorded for of in channels}
-        name = "time_s" if self.timed else "sample"
-        return pd.DataFrame(columns, index=pd.Index(channels[0].t, name=name))
+        return pd.DataFrame(columns).set_index(index)
 
     def __repr__(self) -> str:
         """Return the contents of the record in a line."""

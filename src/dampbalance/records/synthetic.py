@@ -6,7 +6,7 @@ They serve to try an estimator on records whose truth is known. The white noise 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -56,43 +56,16 @@ def measured_orbit(
     """
     if not isinstance(getattr(orbit, "motion", None), BaseMotion):
         raise ValueError(f"orbit must be a steady orbit, got {shown(orbit)}")
-    motion = orbit.motion
-    rate_hz, cycles = number("rate_hz", rate_hz), number("cycles", cycles)
-    start = number("start", start)
-    channels = names("channels", channels, (*EXCITATIONS, *RESPONSES, *ROTATING))
-    parts, random = _parts(noise, channels), _random(seed)
-    samples = cycles * motion.period * rate_hz
-    count = round(samples)
-    if count < 2:
-        sampled = f"{cycles} cycles at {rate_hz:g} samples per second"
-        raise ValueError(f"{sampled} are {count} samples; at least 2 are needed")
-    t = sample_times(rate_hz, start, 0, count)
-    clean, measured = _clean(orbit, t, [ROTATING.get(q, q) for q in channels]), []
-    for quantity in channels:
-        values, part = clean[ROTATING.get(quantity, quantity)], parts.get(quantity, 0.0)
-        if part > 0.0:
-            rms = math.sqrt(float(np.mean(values**2)))
-            values = values + part * rms * random.standard_normal(count)
-        measured.append(Channel(quantity, t, values))
-    unit = _coordinate(channels).unit("m")
-    return Record.of(source or f"simulated, Y = {motion.Y:g} {unit}", measured)
-
-
-def _clean(
-    orbit: Orbit | Response | SlidersOrbit, t: Array, channels: Sequence[str]
-) -> dict[str, Array]:
-    """Return the signals without noise, by quantity, of the channels asked for and those that come with them."""
     motion, omega = orbit.motion, orbit.motion.omega
-    y = np.asarray(motion.y(t), dtype=np.float64)
-    clean = dict(zip(EXCITATIONS, (y, -(omega**2) * y, orbit.oscillator.k * y), strict=True))
-    if not clean.keys() >= set(channels):
-        state = orbit.state(t)
-        clean |= dict(zip(ABSOLUTE, (state.x, state.v, state.acceleration), strict=True))
-    if not clean.keys() >= set(channels):
-        base = (y, -omega * motion.Y * np.sin(omega * t), -(omega**2) * y)
-        relative = [clean[of] - of_base for of, of_base in zip(ABSOLUTE, base, strict=True)]
-        clean |= dict(zip(RELATIVE, relative, strict=True))
-    return clean
+    channels = names("channels", channels, (*EXCITATIONS, *RESPONSES, *ROTATING))
+    t = _times(rate_hz, number("cycles", cycles) * motion.period, number("start", start))
+    y, state = np.asarray(motion.y(t), dtype=np.float64), orbit.state(t)
+    base = (y, -omega * motion.Y * np.sin(omega * t), -(omega**2) * y)
+    clean = dict(zip(ABSOLUTE, (state.x, state.v, state.acceleration), strict=True))
+    clean |= {of: clean[q] - z for of, q, z in zip(RELATIVE, ABSOLUTE, base, strict=True)}
+    clean |= dict(zip(EXCITATIONS, (y, base[2], orbit.oscillator.k * y), strict=True))
+    source = source or f"simulated, Y = {motion.Y:g} {_coordinate(channels).unit('m')}"
+    return _record(source, t, clean, channels, noise, _rms, seed)
 
 
 def measured_ring_down(
@@ -125,50 +98,65 @@ def measured_ring_down(
     0.01
     """
     instance("oscillator", oscillator, Oscillator)
-    x, v, held, noise = number("x", x), number("v", v), number("held", held), number("noise", noise)
-    rate_hz, duration = number("rate_hz", rate_hz), number("duration", duration)
+    x, v, held = number("x", x), number("v", v), number("held", held)
     absolute = (*ABSOLUTE, *(q for q, of in ROTATING.items() if of in ABSOLUTE))
-    channels = names("channels", channels, absolute)
-    random = _random(seed)
+    channels = sorted(names("channels", channels, absolute), key=absolute.index)
     if x == 0.0 and v == 0.0:
         raise ValueError("a free decay needs a displacement x or a velocity v to start with")
-    samples = (duration + held) * rate_hz
-    if samples < 2.0:
-        raise ValueError(
-            f"{duration:g} s at {rate_hz:g} samples per second are {samples:.3g} samples; ask for 2 at least"
-        )
-    t = np.arange(round(samples)) / rate_hz
-    free = t >= held
-    Z_m = oscillator.Z_m
-    z = min(max(x, -Z_m), Z_m)
-    state = transient(oscillator, None, float(t[-1]) + 1.0 / rate_hz, x=x, v=v, z=z, start=held)
-    moved = state.state(t[free])
-    measured = []
+    t = _times(rate_hz, number("duration", duration) + held)
+    z = min(max(x, -oscillator.Z_m), oscillator.Z_m)
+    end = float(t[-1]) + 1.0 / rate_hz
+    moved = transient(oscillator, None, end, x=x, v=v, z=z, start=held).state(t[t >= held])
     signals = dict(zip(ABSOLUTE, (moved.x, moved.v, moved.acceleration), strict=True))
-    for quantity in sorted(channels, key=absolute.index):
-        own = ROTATING.get(quantity, quantity)
-        values = np.full(t.size, x if own == "displacement" else 0.0)
-        values[free] = signals[own]
-        spread = noise * float(np.abs(values).max())
-        measured.append(Channel(quantity, t, values + spread * random.standard_normal(t.size)))
+    before = np.zeros(np.count_nonzero(t < held))
+    clean = {q: np.append(before + x * (q == "displacement"), of) for q, of in signals.items()}
     unit = _coordinate(channels).unit
     source = f"simulated, x = {x:g} {unit('m')}, v = {v:g} {unit('m/s')}"
+    return _record(source, t, clean, channels, number("noise", noise), _largest, seed)
+
+
+def _times(rate_hz: float, duration: float, start: float = 0.0) -> Array:
+    """Return sampling times, s. Raises ValueError where they are fewer than two."""
+    count = round(duration * number("rate_hz", rate_hz))
+    if count < 2:
+        sampled = f"{duration:g} s at {rate_hz:g} samples per second"
+        raise ValueError(f"{sampled} are {count} samples; at least 2 are needed")
+    return sample_times(rate_hz, start, 0, count)
+
+
+def _record(
+    source: str,
+    t: Array,
+    clean: Mapping[str, Array],
+    channels: Sequence[str],
+    noise: float | Mapping[str, float],
+    size: Callable[[Array], float],
+    seed: int | np.random.Generator,
+) -> Record:
+    """Return the record of signals with noise, relative to the size of each."""
+    if not isinstance(seed, np.random.Generator):
+        seed = np.random.default_rng(whole("seed", seed))
+    parts = dict.fromkeys(channels, noise)
+    if isinstance(noise, Mapping):
+        parts = mapping("noise", noise, "a mapping of quantities to numbers")
+        names("quantities", list(parts), (*EXCITATIONS, *RESPONSES, *ROTATING))
+    measured = []
+    for quantity in channels:
+        values = clean[ROTATING.get(quantity, quantity)]
+        part = number(f"noise of {quantity}", parts.get(quantity, 0.0), NUMBERS["noise"])
+        if part > 0.0:
+            values = values + part * size(values) * seed.standard_normal(t.size)
+        measured.append(Channel(quantity, t, values))
     return Record.of(source, measured)
+
+
+def _rms(values: Array) -> float:
+    return math.sqrt(float(np.mean(values**2)))
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max())
 
 
 def _coordinate(quantities: Sequence[str]) -> Coordinate:
     return ROTATION if {*quantities} & ROTATING.keys() else TRANSLATION
-
-
-def _parts(noise: object, channels: Sequence[str]) -> dict[str, float]:
-    if not isinstance(noise, Mapping):
-        return dict.fromkeys(channels, number("noise", noise))
-    parts = mapping("noise", noise, "a mapping of quantities to numbers")
-    names("quantities", list(parts), (*EXCITATIONS, *RESPONSES, *ROTATING))
-    return {q: number(f"noise of {q}", part, NUMBERS["noise"]) for q, part in parts.items()}
-
-
-def _random(seed: object) -> np.random.Generator:
-    if not isinstance(seed, np.random.Generator):
-        seed = whole("seed", seed)
-    return np.random.default_rng(seed)

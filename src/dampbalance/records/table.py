@@ -4,10 +4,12 @@ and the samples as recorded. A reader of a format is a function from a path to a
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -47,6 +49,7 @@ class RawChannel:
     rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
     stamps : whether it holds points in time, or spans of it; read as s from the first on.
     fault : of the rate, the step or the first time that the file states; "" for none.
+    load : gives its samples as recorded, where its table does not.
     """
 
     name: str
@@ -57,6 +60,7 @@ class RawChannel:
     label: str = ""
     stamps: bool = False
     fault: str = ""
+    load: Callable[[], ArrayLike] = list
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +68,7 @@ class Table:
     """The channels of a file, or of signals in memory.
 
     channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
-    an empty cell.   place : where a sample, counted from 0, stands in the file.
+    an empty cell; None where each channel does.   place : where a sample, counted from 0, stands in the file.
     oddity : code of what is odd about the file, warned of when it is read; "" for nothing.
     what : the format, for messages.
     loaded : channels loaded already.
@@ -72,7 +76,7 @@ class Table:
 
     path: Path
     channels: Sequence[RawChannel]
-    load: Callable[[Sequence[int]], Sequence[ArrayLike]]
+    load: Callable[[Sequence[int]], Sequence[ArrayLike]] | None = None
     place: Callable[[int], str] = lambda sample: f"sample {sample + 1}"
     oddity: str = ""
     what: str = "arrays"
@@ -85,7 +89,8 @@ class Table:
             warnings.warn(RecordWarning(self.path, Finding(self.oddity)), stacklevel=2)
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
-            for i, values in zip(missing, self.load(missing) if missing else (), strict=True):
+            load = self.load or (lambda wanted: [self.channels[i].load() for i in wanted])
+            for i, values in zip(missing, load(missing) if missing else (), strict=True):
                 try:
                     self.loaded[i] = floats(values)
                 except ValueError as error:
@@ -118,68 +123,60 @@ class Unread(NamedTuple):
         return self.read(part)
 
 
-class Signal(NamedTuple):
-    """Samples under a label: an array, or an `Unread` one.
+def channels_of(
+    label: str,
+    samples: np.ndarray[Any, Any] | Unread,
+    stated: Mapping[str, object] = ReadOnly({}),
+    folder: str = "",
+    stamps: bool = False,
+) -> list[RawChannel]:
+    """Return the channel of samples under a label; of an array of two dimensions as many, y[1], y[2], …, along its
+    longer side.
 
     stated : what is known of them, whatever it is called; unit, rate, step and first time are taken from it.
     folder : that they stand in, up to its last slash.   stamps : whether they are points in time, now in s.
     """
-
-    label: str
-    samples: np.ndarray[Any, Any] | Unread
-    stated: Mapping[str, object] = ReadOnly({})
-    folder: str = ""
-    stamps: bool = False
-
-
-def table_of(path: Path, signals: Iterable[Signal]) -> Table:
-    """Return the table of signals. An array of two dimensions is as many channels, y[1], y[2], …, along its longer
-    side."""
-    channels: list[RawChannel] = []
-    parts: list[tuple[Any, Any]] = []
-    for label, samples, stated, folder, stamps in signals:
-        shape = samples.shape
-        several = len(shape) == 2 and min(shape) > 1
-        for i in range(min(shape) if several else 1):
-            raw, number = described(path, label, max(shape), stated, folder), f"[{i + 1}]" * several
-            raw = replace(raw, name=raw.name + number, label=raw.label + number)
-            channels.append(replace(raw, unit="s", stamps=True) if stamps else raw)
-            wide = len(shape) == 2 and shape[0] < shape[1]
-            parts.append((samples, (i,) if wide else (..., *[i] * (len(shape) - 1))))
-    return Table(path, channels, lambda wanted: [parts[i][0][parts[i][1]] for i in wanted])
-
-
-def described(
-    path: Path, label: str, size: int, stated: Mapping[str, object], folder: str = ""
-) -> RawChannel:
-    """Return the channel of `size` samples with that label: its unit and timing as stated, or the unit of the label;
-    with a fault where a rate, a step or a first time is no number in its range."""
     name, own = split_label(label)
-    values = {str(key).lower(): value for key, value in stated.items()}
-    raw = RawChannel(f"{folder}{name}", unit_among(values) or own, size, label=f"{folder}{label}")
-    channel = f"channel {shortened(raw.label)}"
+    unit = "s" if stamps else unit_among(stated) or own
+    timing, shape = _timing(f"{folder}{label}", stated), samples.shape
+    wide = len(shape) == 2 and shape[0] < shape[1]
+    channels = []
+    for i in range(min(shape) if len(shape) == 2 else 1):
+        number = f"[{i + 1}]" * (len(shape) == 2 and min(shape) > 1)
+        part = (i,) if wide else (..., *[i] * (len(shape) - 1))
+        load = partial(samples.__getitem__, part)
+        of = timing | {"label": f"{folder}{label}{number}", "stamps": stamps, "load": load}
+        channels.append(RawChannel(f"{folder}{name}{number}", unit, max(shape), **of))
+    return channels
 
-    def number(key: str) -> float:
-        value = np.asarray(values[key])
-        if value.size != 1 or value.dtype.kind not in "fiu":
-            raise ValueError(f"{key} of {channel} is {shortened(values[key])}, not a number")
-        return float(value.reshape(-1)[0])
 
-    try:
-        start = next((number(key) for key in START_NAMES if key in values), 0.0)
-        if not abs(start) <= LATEST:
-            raise ValueError(f"{channel} begins at {start:g} s")
-        key = next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), None)
-        if key is None:
-            return replace(raw, start=start)
-        value, low, high = number(key), LOWEST_RATE, HIGHEST_RATE
-        if key in STEP_NAMES:
-            low, high = 1.0 / HIGHEST_RATE, 1.0 / LOWEST_RATE
-        if not low <= value <= high:
-            raise ValueError(f"{key} of {channel} is {value:g}, not within {low:g} to {high:g}")
-    except ValueError as error:
-        return replace(raw, fault=f"{path}: {error}; give sample_rate_hz in a mapping")
-    return replace(raw, rate_hz=1.0 / value if key in STEP_NAMES else value, start=start)
+def table_of(path: Path, signals: Iterable[Sequence[RawChannel]]) -> Table:
+    """Return the table of the channels of several signals."""
+    return Table(path, [raw for signal in signals for raw in signal])
+
+
+def _timing(label: str, stated: Mapping[str, object]) -> dict[str, Any]:
+    """Return rate and first time of a channel as stated, or the fault of one that is no number in its range."""
+    values = {str(key).lower(): np.asarray(value) for key, value in stated.items()}
+    start = next((key for key in START_NAMES if key in values), "")
+    rate = next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), "")
+    low, high = LOWEST_RATE, HIGHEST_RATE
+    bounds = {
+        start: (-LATEST, LATEST),
+        rate: (low, high) if rate in RATE_NAMES else (1.0 / high, 1.0 / low),
+    }
+    numbers = dict[str, float]()
+    for key in filter(None, bounds):
+        value, (low, high) = values[key], bounds[key]
+        number = value.size == 1 and value.dtype.kind in "fiu"
+        numbers[key] = float(value.reshape(-1)[0]) if number else math.nan
+        if not low <= numbers[key] <= high:
+            wrong = f"{key} of channel {shortened(label)} is {shortened(value.tolist())}"
+            remedy = f"not a number within {low:g} to {high:g}; give sample_rate_hz in a mapping"
+            return {"fault": f"{wrong}, {remedy}"}
+    step = numbers.get(rate)
+    per_second = 1.0 / step if step and rate in STEP_NAMES else step
+    return {"rate_hz": per_second, "start": numbers.get(start, 0.0)}
 
 
 def unit_among(stated: Mapping[str, object]) -> str | None:
@@ -209,59 +206,49 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
     path = Path(name)
     if isinstance(signals, Table):
         return replace(signals, path=path)
-    stated: dict[str, Any] = {}
-    several: list[tuple[str, Any, bool]] = []
-    for label, values in _columns(signals).items():
-        listed = isinstance(values, list | tuple)
-        if not listed and label.lower() in TIMING_NAMES and np.size(values) == 1:
-            stated[label] = np.asarray(values).reshape(-1)[0]
-            continue
-        samples, stamps = _samples(values)
-        if not listed and not samples.ndim:
-            remedy = "a signal is an array of its samples"
-            raise RecordError(f"{path}: {shortened(label)} is a single value; {remedy}")
-        if samples.ndim > 2:
-            remedy = "give each signal its own name"
-            raise RecordError(f"{path}: {shortened(label)} has the shape {samples.shape}; {remedy}")
-        several.append((label, samples, stamps))
-    return table_of(path, [Signal(of, array, stated, "", stamps) for of, array, stamps in several])
+    held = {label: samples_of(values) for label, values in _flat(signals)}
+    timing = {k: v for k, (v, _) in held.items() if k.lower() in TIMING_NAMES and v.size == 1}
+    signals = {label: one for label, one in held.items() if label not in timing}
+    for label, (samples, _) in signals.items():
+        if samples.ndim not in (1, 2):
+            what = f"has the shape {samples.shape}" if samples.ndim else "is a single value"
+            remedy = "give each signal as an array of its samples, under its own name"
+            raise RecordError(f"{path}: {shortened(label)} {what}; {remedy}")
+    of = (channels_of(label, one, timing, "", stamps) for label, (one, stamps) in signals.items())
+    return table_of(path, of)
 
 
 def is_table(record: object) -> bool:
     """Return whether something is the signals of a record: a mapping, a table of pandas, an array of numbers or one
     with named fields, a `Table`."""
-    of_pandas = all(hasattr(record, name) for name in ("columns", "index", "attrs"))
-    array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or _fields(record))
-    named = isinstance(record, Mapping | Table) or of_pandas or bool(array)
-    return named and not isinstance(record, type)
+    array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or record.dtype.names)
+    return isinstance(record, Mapping | Table) or _is_frame(record) or bool(array)
 
 
-def _fields(signals: Any) -> tuple[str, ...]:
-    """Return the names of the fields of an array; none for anything else."""
-    return getattr(getattr(signals, "dtype", None), "names", None) or ()
+def _is_frame(record: object) -> bool:
+    return hasattr(type(record), "columns") and hasattr(type(record), "attrs")  # of pandas
 
 
-def _columns(signals: Signals) -> dict[str, Any]:
-    if isinstance(signals, Mapping):
-        return {
-            f"{name}.{field}" if field else str(name): values[field] if field else values
-            for name, values in signals.items()
-            for field in _fields(values) or ("",)
-        }
-    if fields := _fields(signals):
-        return {name: signals[name] for name in fields}
-    if isinstance(signals, np.ndarray):
-        return {"column": signals}
-    stated = {str(k): v for k, v in signals.attrs.items() if str(k).lower() in TIMING_NAMES}
-    index = {} if signals.index.name is None else {str(signals.index.name): signals.index}
-    names = [str(name) for name in signals.columns]
-    twice = next((name for name in names if names.count(name) > 1 or name in index), None)
-    if twice is not None:
-        raise RecordError(f"the table has two columns {shortened(twice)}; give each its own name")
-    return stated | index | {str(name): signals[name] for name in signals.columns}
+def _flat(held: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the signals in a table, a mapping or the fields of an array, those in these by their paths."""
+    if _is_frame(held):
+        stated = {k: v for k, v in held.attrs.items() if str(k).lower() in TIMING_NAMES}
+        frame = held if held.index.name is None else held.reset_index(allow_duplicates=True)
+        names = [str(of) for of in frame.columns]
+        if twice := [of for of in names if names.count(of) > 1]:
+            remedy = "give each its own name"
+            raise RecordError(f"the table has two columns {shortened(twice[0])}; {remedy}")
+        held = stated | {of: frame.iloc[:, i] for i, of in enumerate(names)}
+    elif fields := getattr(getattr(held, "dtype", None), "names", None):
+        held = {of: held[of] for of in fields}
+    if not isinstance(held, Mapping):
+        yield name or "column", held
+        return
+    for key, values in held.items():
+        yield from _flat(values, f"{name}.{key}" if name else str(key))
 
 
-def _samples(values: Any) -> tuple[Any, bool]:
+def samples_of(values: Any) -> tuple[Any, bool]:
     """Return the samples of a signal, and whether they are points in time, then in s from the first on."""
     if isinstance(values, list | tuple):
         values = [None if one is np.ma.masked else one for one in values]

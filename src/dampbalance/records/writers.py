@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from .. import arguments
@@ -16,11 +15,9 @@ from ..arguments import instance
 from ..arrays import Array
 from ..project.files import replacing
 from ..project.wording import shortened
-from .channel import QUANTITIES
 from .errors import RecordError
 from .readers.formats import FORMATS
 from .record import Record
-from .units import column_name
 
 _MATLAB_TEXT = 116  # bytes of description at the start of a MATLAB file
 
@@ -45,7 +42,7 @@ def write(path: str | Path, record: Record) -> Path:
             f"{path}: cannot store the correction of the {corrected[0]} for gain, delay or filters; keep the "
             "original with its mapping"
         )
-    columns = _columns_of(record)
+    columns = record.columns()
     with replacing(path) as temporary:
         if suffix == ".mat":
             _write_matlab(temporary, columns)
@@ -55,17 +52,6 @@ def write(path: str | Path, record: Record) -> Path:
             delimiter = "," if suffix == ".csv" else "\t"
             frame.to_csv(temporary, sep=delimiter, index=False, lineterminator="\n")
     return path
-
-
-def _columns_of(record: Record) -> dict[str, Array]:
-    """Return the signals by column name, times first: time_s for all channels, or displacement_time_s before each."""
-    channels = [record[q] for q in QUANTITIES if q in record]
-    shared = all(np.array_equal(channel.t, channels[0].t) for channel in channels)
-    columns: dict[str, Array] = {}
-    for c in channels:
-        times = "time_s" if shared else f"{c.coordinate.key(c.quantity)}_time_s"
-        columns |= {times: c.t, column_name(c.quantity, c.coordinate): c.as_recorded}
-    return columns
 
 
 def _write_matlab(path: Path, columns: dict[str, Array]) -> None:

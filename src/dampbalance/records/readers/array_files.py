@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import RecordError, library
-from ..table import TIMING_NAMES, UNIT_NAMES, Signal, Table, Unread, signals_file, table_of
+from ..table import TIMING_NAMES, UNIT_NAMES, Table, Unread, channels_of, signals_file, table_of
 from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
@@ -50,7 +50,7 @@ def hdf5_file(path: Path) -> Table:
             if data.ndim in (1, 2) and data.size > 1:
                 folder, slash, last = name.rpartition("/")
                 held = Unread(data.shape, partial(read, name))
-                signals.append(Signal(last, held, scalars | stated, folder + slash))
+                signals.append(channels_of(last, held, scalars | stated, folder + slash))
     return table_of(path, signals)
 
 
@@ -100,7 +100,7 @@ def matlab_file(path: Path) -> Table:
         if np.size(value) == 1 and (last := name.rpartition(".")[2]).lower() in TIMING_NAMES
     }
     signals = [
-        Signal(name, np.asarray(value), stated | {"unit": unit})
+        channels_of(name, np.asarray(value), stated | {"unit": unit})
         for name, (value, unit) in fields.items()
         if _is_signal(value)
     ]

@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Array
 from ..errors import RecordError, library
 from ..headings import quantity_of, words_of
-from ..table import RawChannel, Signal, Table, Unread, in_seconds, table_of, unit_among
+from ..table import RawChannel, Table, Unread, channels_of, samples_of, unit_among
 from ..units import split_label
 
 # universal files: the function types of a time response and of a frequency response, what a channel without a name
@@ -28,30 +27,24 @@ _RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
 # fields that name a time response, besides the label of its ordinate
 _NAMING = ("id1", "id2", "rsp_ent_name", "id4", "id5")
 _UFF_HEAD = re.compile(rb"(?m)^    58.*\n(?:.*\n){11}")
-_NO_SIZE = (0, 0xFFFFFFFF)  # a program writes these before it knows how long a WAV will become
 
 
 def parquet_file(path: Path) -> Table:
     """Return the table of a Parquet file; the unit of a column from its field's metadata, else from its name. Points in
     time are read as s from the first on."""
-    pyarrow, parquet = library("pyarrow", "Parquet"), library("pyarrow.parquet", "Parquet")
+    parquet = library("pyarrow.parquet", "Parquet")
 
-    def is_time(field: Any) -> bool:
-        return bool(pyarrow.types.is_timestamp(field.type) or pyarrow.types.is_duration(field.type))
+    def read(name: str, part: Any) -> Any:
+        column = parquet.read_table(path, columns=[name], partitioning=None).column(0)
+        return samples_of(column.to_numpy())[0][part]
 
-    def read(field: Any, part: Any) -> Any:
-        with parquet.ParquetFile(path) as file:
-            values = file.read(columns=[field.name]).column(0).to_numpy()
-        return (in_seconds(values) if is_time(field) else values)[part]
-
-    with parquet.ParquetFile(path) as file:
-        fields, shape = list(file.schema_arrow), (file.metadata.num_rows,)
-    signals = []
-    for field in fields:
+    rows, channels = (parquet.read_metadata(path).num_rows,), list[RawChannel]()
+    for field in parquet.read_schema(path):
         stated = {k.decode(errors="replace"): v for k, v in (field.metadata or {}).items()}
-        unit, held = {"unit": unit_among(stated)}, Unread(shape, partial(read, field))
-        signals.append(Signal(field.name, held, unit, "", is_time(field)))
-    return table_of(path, signals)
+        stamps = str(field.type).startswith(("timestamp", "duration"))
+        held = Unread(rows, partial(read, field.name))
+        channels += channels_of(field.name, held, {"unit": unit_among(stated)}, "", stamps)
+    return Table(path, channels)
 
 
 def uff_file(path: Path) -> Table:
@@ -71,7 +64,7 @@ def uff_file(path: Path) -> Table:
         kinds = map(int, file.get_set_types())
         sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
     times = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
-    signals = []
+    channels = list[RawChannel]()
     for item, label in zip(times, _names(times), strict=True):
         values, n = np.asarray(item["data"]), int(item["num_pts"])
         if values.size != n or np.iscomplexobj(values):
@@ -84,14 +77,14 @@ def uff_file(path: Path) -> Table:
             timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]}
         else:  # its times stand in it, in front of it here
             seconds = {"unit": _stated(item, "abscissa_axis_units_lab") or "s"}
-            signals.append(Signal(f"{split_label(label)[0]} time", np.asarray(item["x"]), seconds))
-        signals.append(Signal(label, values, unit | timing))
+            channels += channels_of(f"{split_label(label)[0]} time", np.asarray(item["x"]), seconds)
+        channels += channels_of(label, values, unit | timing)
     responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
-    for number, item in enumerate([] if signals else responses, start=1):
-        signals += _frequency_response(item, f"{number}/" * (len(responses) > 1))
-    if not signals:
+    for number, item in enumerate([] if channels else responses, start=1):
+        channels += _frequency_response(item, f"{number}/" * (len(responses) > 1))
+    if not channels:
         raise RecordError(f"{path}: holds no time response and no frequency response (data set 58)")
-    return table_of(path, signals)
+    return Table(path, channels)
 
 
 def _tidied(raw: bytes) -> bytes:
@@ -146,17 +139,15 @@ def _degree(item: dict[str, Any], of: str) -> str:
     return " ".join(filter(None, parts))
 
 
-def _frequency_response(item: dict[str, Any], folder: str) -> list[Signal]:
+def _frequency_response(item: dict[str, Any], folder: str) -> list[RawChannel]:
     """Return frequency, amplitude and phase of a frequency response."""
     H, over = np.asarray(item["data"]), _stated(item, "orddenom_axis_units_lab") or "N"
     name = _RESPONSE_TYPES.get(int(item["ordinate_spec_data_type"]), "response")
     unit = _stated(item, "ordinate_axis_units_lab")
     per_force = unit if unit is None or unit.endswith(f"/{over}") else f"{unit}/{over}"
-    return [
-        Signal("frequency", np.asarray(item["x"]), {"unit": "Hz"}, folder),
-        Signal(name, np.abs(H), {"unit": per_force}, folder),
-        Signal("phase", np.angle(H), {"unit": "rad"}, folder),
-    ]
+    x, amplitude, phase = np.asarray(item["x"]), np.abs(H), np.angle(H)
+    columns = ("frequency", x, "Hz"), (name, amplitude, per_force), ("phase", phase, "rad")
+    return [raw for of, x, unit in columns for raw in channels_of(of, x, {"unit": unit}, folder)]
 
 
 def tdms_file(path: Path) -> Table:
@@ -175,26 +166,20 @@ def tdms_file(path: Path) -> Table:
     # the file alone, not an index that may lie next to it
     with open(path, "rb") as stream:
         file = nptdms.TdmsFile.open(stream)
-        every = (channel for group in file.groups() for channel in group.channels())
-        channels = [c for c in every if c.dtype.kind in "fiu" and len(c)]
-        if not channels:
-            remedy = "it was cut short, or the recording was not closed"
-            raise RecordError(f"{path}: holds no channel of numbers; {remedy}")
-        if file.file_status.incomplete_final_segment:
-            raise RecordError(
-                f"{path}: its last segment is incomplete: the file was cut short, or the recording was not closed"
-            )
-        if first := complaints.getvalue().partition("\n")[0]:
-            raise RecordError(f"{path}: is damaged or was cut short ({first})")
-        several = len({c.group_name for c in channels}) > 1
-        signals = [
-            Signal(
-                *(c.name, Unread((len(c),), partial(read, c.group_name, c.name)), c.properties),
-                folder=f"{c.group_name}/" * several,
-            )
-            for c in channels
-        ]
-    return table_of(path, signals)
+    held = [
+        c for group in file.groups() for c in group.channels() if c.dtype.kind in "fiu" and len(c)
+    ]
+    wrong = complaints.getvalue().partition("\n")[0]
+    if file.file_status.incomplete_final_segment:
+        wrong = "its last segment is incomplete"
+    if wrong or not held:
+        wrong = wrong or "holds no channel of numbers"
+        raise RecordError(f"{path}: {wrong}; it was cut short, or the recording was not closed")
+    several, channels = len({c.group_name for c in held}) > 1, list[RawChannel]()
+    for c in held:
+        samples = Unread((len(c),), partial(read, c.group_name, c.name))
+        channels += channels_of(c.name, samples, c.properties, f"{c.group_name}/" * several)
+    return Table(path, channels)
 
 
 def wav_file(path: Path) -> Table:
@@ -202,31 +187,18 @@ def wav_file(path: Path) -> Table:
     scale, −1 to 1."""
     from scipy.io import wavfile
 
-    with open(path, "rb") as stream:
-        kind, stated = stream.read(4), stream.read(4)
-    count = int.from_bytes(stated, "big" if kind == b"RIFX" else "little")
-    size = path.stat().st_size
-    if kind != b"RF64" and count not in _NO_SIZE and count + 8 > size:
-        raise RecordError(
-            f"{path}: has {size} of the {count + 8} bytes that its header says; it was cut short"
-        )
     with warnings.catch_warnings():
-        # chunks of notes that hold no samples
+        # of chunks of notes; of an end too early where the size is one that a program writes before it knows it
         warnings.simplefilter("ignore", wavfile.WavFileWarning)
-        try:
-            rate, data = wavfile.read(path, mmap=True)
-        except ValueError:  # 24-bit samples cannot be mapped
-            rate, data = wavfile.read(path)
-    table = data.reshape(len(data), -1)
-    full = 2.0 ** (8 * data.dtype.itemsize - 1) if data.dtype.kind in "iu" else 1.0
-    zero = full if data.dtype.kind == "u" else 0.0
-
-    def read(i: int, part: Any) -> Array:
-        return ((np.asarray(table[:, i], dtype=np.float64) - zero) / full)[part]
-
-    sizes, known = table.shape[:1], {"sample_rate_hz": rate}
-    signals = (Unread(sizes, partial(read, i)) for i in range(table.shape[1]))
-    return table_of(path, [Signal(f"channel {i}", of, known) for i, of in enumerate(signals, 1)])
+        warnings.filterwarnings("error", "Reached EOF(?!.* expected 4294967303 )")
+        rate, data = wavfile.read(path)
+    if data.dtype.kind in "iu":
+        full = 2.0 ** (8 * data.dtype.itemsize - 1)
+        data = data / full - (data.dtype.kind == "u")
+    columns, channels = data.reshape(len(data), -1).T, list[RawChannel]()
+    for number, column in enumerate(columns, start=1):
+        channels += channels_of(f"channel {number}", column, {"sample_rate_hz": rate})
+    return Table(path, channels)
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
@@ -243,19 +215,19 @@ def lvm_file(path: Path) -> Table:
     if document["Segments"] != 1:
         remedy = "a record has one: keep that of one level"
         raise RecordError(f"{path}: holds {document['Segments']} segments; {remedy}")
-    segment = document[0]
-    names, data = [name.strip() for name in segment["Channel names"]], segment["data"]
-    steps, starts = (iter(segment.get(key, [])) for key in ("Delta_X", "X0"))
+    segment, channels = document[0], list[RawChannel]()
+    steps = segment.get("Delta_X", [0.0])
+    timing = zip(steps, segment.get("X0", [0.0] * len(steps)), strict=False)
     units = iter(segment.get("Y_Unit_Label", []))
-    signals = []
-    for name, values in zip(names[: [*names, "Comment"].index("Comment")], data.T, strict=False):
-        if name == "X_Value":
-            signals.append(Signal(name, values, {"unit": "s"}))
-            continue
-        step, start = next(steps, 0.0), next(starts, 0.0)
-        timing = {"dt": step, "t0": start} if step > 0.0 else {}
-        signals.append(Signal(name, values, timing | {"unit": next(units, "")}))
-    if all("dt" in of.stated for of in signals if of.label != "X_Value"):
-        # the header has the digits that a column of times lacks
-        signals = [of for of in signals if of.label != "X_Value"]
-    return table_of(path, signals)
+    for name, values in zip(
+        map(str.strip, segment["Channel names"]), segment["data"].T, strict=False
+    ):
+        if name == "Comment":
+            break
+        if name != "X_Value":
+            step, start = next(timing, (0.0, 0.0))
+            stated = {"dt": step, "t0": start} if min(steps) > 0.0 else {}
+            channels += channels_of(name, values, stated | {"unit": next(units, "")})
+        elif not min(steps) > 0.0:  # or else the header has the digits that it lacks
+            channels += channels_of(name, values, {"unit": "s"})
+    return Table(path, channels)

@@ -8,7 +8,6 @@ import re
 import zipfile
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from ..errors import RecordError, library
 from ..mapping import RecordMapping
@@ -27,29 +26,19 @@ def spreadsheet_file(path: Path) -> Table:
     _require_dense(path)
     book = calamine.CalamineWorkbook.from_path(path)
     for name in book.sheet_names:
-        sheet = book.get_sheet_by_name(name)
-        if sheet.start is None or sheet.end is None:
-            continue
-        left = "\t" * sheet.start[1]  # columns before the first that holds something
-        rows = [left + "\t".join(map(_text, row)) for row in sheet.iter_rows()]
-        opened = partial(io.StringIO, "\n".join(rows).rstrip() + "\n")
+        rows = book.get_sheet_by_name(name).to_python(skip_empty_area=False)
+        text = "\n".join("\t".join(map(_text, row)) for row in rows).rstrip() + "\n"
         try:
-            return text_table(path, opened, _LAYOUT, "row", comment="\x1f")
+            return text_table(path, partial(io.StringIO, text), _LAYOUT, "row", comment="\x1f")
         except NoRows:
             continue
     raise RecordError(f"{path}: no sheet holds rows of at least two numbers")
 
 
-def _text(cell: Any) -> str:
+def _text(cell: object) -> str:
     """Return a cell as a text, in one line; a day alone is its midnight."""
-    if isinstance(cell, datetime.timedelta):
-        days, rest = divmod(cell, datetime.timedelta(days=1))
-        return f"{days} days {rest!s:0>8}"
-    if isinstance(cell, datetime.date) and not isinstance(cell, datetime.datetime):
-        cell = datetime.datetime.combine(cell, datetime.time())
-    if isinstance(cell, datetime.datetime | datetime.time):
-        return cell.isoformat()
-    return " ".join(str(cell).split())
+    text = f"{cell}T00:00" if type(cell) is datetime.date else str(cell)
+    return " ".join(re.sub("(days?),", r"\1", text).split())
 
 
 def _require_dense(path: Path) -> None:
@@ -59,13 +48,14 @@ def _require_dense(path: Path) -> None:
         return
     with zipfile.ZipFile(path) as packed:
         for part in filter(re.compile("xl/worksheets/[^/]*[.]xml").fullmatch, packed.namelist()):
-            column, last = b"  A", 0
+            columns, last = set[bytes](), 0
             for cell in _CELL.finditer(packed.read(part)):
-                column, last = max(column, cell[1].rjust(3)), max(last, int(cell[2]))
-            letters = column.strip().decode()
-            width = sum(26**i * (ord(of) - 64) for i, of in enumerate(reversed(letters)))
+                columns.add(cell[1])
+                last = max(last, int(cell[2]))
+            column = max(columns, key=lambda of: of.rjust(3), default=b"").decode()
+            width = sum(26**i * (ord(letter) - 64) for i, letter in enumerate(column[::-1]))
             if width * last > _MOST_CELLS:
                 raise RecordError(
-                    f"{path}: its last cell, {letters}{last}, makes a sheet of {last:,} × {width:,} cells, more than "
+                    f"{path}: its last cell, {column}{last}, makes a sheet of {last:,} × {width:,} cells, more than "
                     f"{_MOST_CELLS:,}; delete the rows and columns behind the record, or save it as CSV"
                 )
