@@ -561,7 +561,7 @@ class Guesses:
             untimed = [i for i in held.values() if self.channels[i].rate_hz is None]
             for i, time in {i: self.time_of(i) for i in untimed}.items():
                 if time is None and (fault := self.channels[i].fault):
-                    raise RecordError(fault)
+                    raise RecordError(f"{self.path}: {fault}")
                 if time is None and not loop:
                     yield "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
                 elif time is not None and (problem := self._of_unit(time, "time")):
