@@ -35,8 +35,9 @@ def parquet_file(path: Path) -> Table:
     parquet = library("pyarrow.parquet", "Parquet")
 
     def read(name: str, part: Any) -> Any:
-        column = parquet.read_table(path, columns=[name], partitioning=None).column(0)
-        return samples_of(column.to_numpy())[0][part]
+        with parquet.ParquetFile(path) as file:
+            values = file.read(columns=[name]).column(0).to_numpy()
+        return samples_of(values)[0][part]
 
     rows, channels = (parquet.read_metadata(path).num_rows,), list[RawChannel]()
     for field in parquet.read_schema(path):
