@@ -50,9 +50,8 @@ class Record:
         channels = mapping("channels", self.channels, "a mapping of quantities to channels")
         self.__dict__.update(channels=ReadOnly(channels), label=self.label or self.name)
         for quantity, channel in channels.items():
-            if quantity != instance(quantity, channel, Channel).quantity:
-                held = f"the channel under {quantity!r} holds {channel.quantity!r}"
-                raise ValueError(f"{self.name}: {held}")
+            if quantity != (held := instance(quantity, channel, Channel).quantity):
+                raise ValueError(f"{self.name}: the channel under {quantity!r} holds {held!r}")
         require_one_coordinate(self.name, {of.name: of.coordinate for of in channels.values()})
         driving = [q for q in EXCITATIONS if q in channels]
         if len(driving) > 1:
@@ -70,10 +69,9 @@ class Record:
             instance("each of the channels", channel, Channel)
             other = by_quantity.setdefault(channel.quantity, channel)
             if other is not channel:
-                one, two = ((of.name, of.coordinate) for of in (other, channel))
-                require_one_coordinate(name, dict([one, two]))
-                both = f"the channels {other.name!r} and {channel.name!r}"
-                raise ValueError(f"{name}: {both} both hold {channel.quantity}")
+                require_one_coordinate(name, {of.name: of.coordinate for of in (other, channel)})
+                both = f"the channels {other.name!r} and {channel.name!r} both"
+                raise ValueError(f"{name}: {both} hold {channel.quantity}")
         return cls(name, by_quantity)
 
     def __getitem__(self, quantity: str) -> Channel:

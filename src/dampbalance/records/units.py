@@ -80,14 +80,15 @@ def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
     unit = find_unit(text, wanted)
     if unit and unit.dimension == wanted:
         return unit
-    what = f"{text!r} is a unit of {unit.dimension if unit else find_other(text)}"
-    if not unit and not find_other(text):
-        folded = {known.name.casefold(): known.name for known in UNITS}
-        near = difflib.get_close_matches(text.strip().casefold(), folded, n=1)
-        hint = f" (did you mean {folded[near[0]]}?)" if near else ""
-        what = f"unknown unit {shortened(text)}{hint}"
+    other = unit.dimension if unit else find_other(text)
+    what = f"{text!r} is a unit of {other}" if other else f"unknown unit {shortened(text)}"
+    folded = {known.name.casefold(): known.name for known in UNITS}
+    near = difflib.get_close_matches(text.strip().casefold(), folded, n=1)
+    hint = f" (did you mean {folded[near[0]]}?)" if near and not unit else ""
     fitting = ", ".join(unit.name for unit in UNITS if unit.dimension == wanted)
-    raise UnitError(f"{what}, but {quantity.replace('_', ' ')} needs one of {wanted}: {fitting}")
+    raise UnitError(
+        f"{what}{hint}, but {quantity.replace('_', ' ')} needs one of {wanted}: {fitting}"
+    )
 
 
 def split_label(label: str) -> tuple[str, str | None]:

@@ -35,8 +35,9 @@ def parquet_file(path: Path) -> Table:
     parquet = library("pyarrow.parquet", "Parquet")
 
     def read(name: str, part: Any) -> Any:
-        column = parquet.read_table(path, columns=[name], partitioning=None).column(0)
-        return samples_of(column.to_numpy())[0][part]
+        with parquet.ParquetFile(path) as file:
+            values = file.read(columns=[name]).column(0).to_numpy()
+        return samples_of(values)[0][part]
 
     rows, channels = (parquet.read_metadata(path).num_rows,), list[RawChannel]()
     for field in parquet.read_schema(path):
@@ -68,17 +69,15 @@ def uff_file(path: Path) -> Table:
     for item, label in zip(times, _names(times), strict=True):
         values, n = np.asarray(item["data"]), int(item["num_pts"])
         if values.size != n or np.iscomplexobj(values):
-            raise RecordError(
-                f"{path}: data set {label!r} has {values.size} of its {n} values; it was cut short or is no real "
-                "signal"
-            )
-        unit, timing = {"unit": _stated(item, "ordinate_axis_units_lab")}, dict[str, Any]()
+            what = f"data set {label!r} has {values.size} of its {n} values"
+            raise RecordError(f"{path}: {what}; it was cut short or is no real signal")
+        stated = {"unit": _stated(item, "ordinate_axis_units_lab")}
         if item["abscissa_spacing"] == 1:
-            timing = {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]}
+            stated |= {"dt": item["abscissa_inc"], "t0": item["abscissa_min"]}
         else:  # its times stand in it, in front of it here
             seconds = {"unit": _stated(item, "abscissa_axis_units_lab") or "s"}
             channels += channels_of(f"{split_label(label)[0]} time", np.asarray(item["x"]), seconds)
-        channels += channels_of(label, values, unit | timing)
+        channels += channels_of(label, values, stated)
     responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
     for number, item in enumerate([] if channels else responses, start=1):
         channels += _frequency_response(item, f"{number}/" * (len(responses) > 1))
@@ -131,12 +130,8 @@ def _degree(item: dict[str, Any], of: str) -> str:
     stated."""
     node, direction = int(item[f"{of}_node"]), int(item[f"{of}_dir"])
     axis = ("", "X", "Y", "Z", "RX", "RY", "RZ")[min(abs(direction), 6)]
-    parts = [
-        _stated(item, f"{of}_ent_name"),
-        f"node {node}" if node else "",
-        "+-"[direction < 0] + axis if axis else "",
-    ]
-    return " ".join(filter(None, parts))
+    named = _stated(item, f"{of}_ent_name"), f"node {node}" * bool(node)
+    return " ".join(filter(None, (*named, "+-"[direction < 0] + axis if axis else "")))
 
 
 def _frequency_response(item: dict[str, Any], folder: str) -> list[RawChannel]:
