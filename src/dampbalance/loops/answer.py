@@ -125,12 +125,13 @@ class LoopBasis:
     kind: ClassVar[str] = "loops"
     mass_tests: ClassVar[bool] = False
     columns: ClassVar[Mapping[str, tuple[str, str]]] = {
-        "X_m": ("X", "mm"),
-        "cycles": ("n", ""),
-        "W_J": ("W", "J"),
-        "W_over_4X_N": ("W/4X", "N"),
-        "secant_stiffness_N_per_m": ("k_s", "N/mm"),
-        "equivalent_damping_ratio": ("ζ_eq", "%"),
+        **{
+            "X_m": ("X", "mm"),
+            "cycles": ("n", ""),
+            "W_J": ("W", "J"),
+            "W_over_4X_N": ("W/4X", "N"),
+        },
+        **{"secant_stiffness_N_per_m": ("k_s", "N/mm"), "equivalent_damping_ratio": ("ζ_eq", "%")},
         "force_at_largest_displacement_N": ("F+", "N"),
         "force_at_smallest_displacement_N": ("F−", "N"),
     }
