@@ -23,6 +23,7 @@ from . import errors
 from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
+from .draft import unclear
 from .errors import RecordError, RecordWarning
 from .guess import BY_UNIT, Guesses, first_of
 from .headings import unit_of
@@ -99,7 +100,7 @@ def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
     rules: Mapping[str, ChannelRule] = mapping.channels
     if not rules:
         for question in guesses.questions():
-            raise guesses.unclear(question)
+            raise unclear(guesses, question)
         rules = guesses.rules
     found = {q: guesses.find(of.channel, f"channels.{q}.channel")[0] for q, of in rules.items()}
     picks = tuple(_pick(guesses, q, found[q], rules[q]) for q in QUANTITIES if q in found)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ... import arguments
 from ..channel import QUANTITIES
-from ..guess import suggested_mapping
+from ..draft import suggested_mapping
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..recognise import picks_of, recognise
 from ..record import Record
