@@ -28,8 +28,8 @@ from .units import (
 WORDS = {
     "displacement": "displacement disp deflection position pos dist distance x weg auslenkung "
     "verschiebung abstand angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel",
-    "velocity": "velocity vel v geschwindigkeit speed drehzahl",
-    "acceleration": "acceleration accel acc beschleunigung",
+    "velocity": "velocity vel v geschwindigkeit speed drehzahl omega ω winkelgeschwindigkeit",
+    "acceleration": "acceleration accel acc beschleunigung winkelbeschleunigung",
     "force": "force forc f kraft torque moment drehmoment",
     "base_displacement": "y",
     "base": "base ground table shaker foundation support excitation input in eingang "

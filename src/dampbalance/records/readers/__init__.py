@@ -62,7 +62,7 @@ def mapping_to_start_from(
 ) -> str:
     """Return a mapping in YAML that names the channels of a file as far as headings, units and samples show them.
 
-    It can be read as it stands; comments say what each line comes from, and why the other channels are left aside.
+    Comments say what each line comes from, and why the other channels are left aside; "?" stands for what nothing tells.
     Write it next to the record and correct what is wrong.
 
     mapping : what is known already, such as delimiter or sampling rate.   stepped : whether the file is a table of
