@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -36,7 +36,6 @@ from .headings import (
     axis_of,
     by_unit,
     column_of,
-    coordinate_of,
     full_name,
     holds_time,
     key_of,
@@ -258,8 +257,11 @@ class Guesses:
         named = {i: guess.quantity for i, guess in found.items() if guess.reason == _BY_NAME}
         driving, answering = ([i for i, q in named.items() if q in of] for of in _ROLES)
         clear = len({*named.values()}) == len(named) and all(self.channels[i].unit for i in named)
-        if clear and len(driving) == 1 and answering and self._words(driving[0]) != {"y"}:
-            self._leave(found, found.keys() - named.keys(), _TAKEN)
+        rest = [i for i, of in found.items() if of.reason in _LEVELS and i not in named]
+        alone = len(named) == 1 and not rest
+        driven = len(driving) == 1 and self._words(driving[0]) != {"y"}
+        if clear and answering and (driven or alone):
+            self._leave(found, rest, _TAKEN)
         else:
             self._look(found)
         if self.mapping.free:  # a drive with a known unit is read, to see that it stands still
@@ -355,7 +357,7 @@ class Guesses:
             may = (of,) if of else tuple(EXCITATIONS | ABSOLUTE)
             if (base := f"base_{of}") in EXCITATIONS:
                 may = (base, of)
-            if drives and i not in drives:
+            if (drives and i not in drives) or self.mapping.free:
                 may = tuple(q for q in may if q not in EXCITATIONS)
             found[i] = Guess("", found[i].reason, may=may)
 
@@ -373,11 +375,8 @@ class Guesses:
 
     def _turns(self, i: int) -> bool:
         """Return whether a column is of a rotation, by its unit or name."""
-        raw = self.channels[i]
-        known = find_motion(raw.unit or "") is not None
-        return (
-            coordinate_of(raw) == ROTATION if known else bool(self._words(i) & {*TURNING.split()})
-        )
+        unit = find_motion(self.channels[i].unit or "")
+        return unit.coordinate == ROTATION if unit else bool(self._words(i) & {*TURNING.split()})
 
     def _apart(self, found: dict[int, Guess], answers: Sequence[int], same: bool) -> list[int]:
         """Return one response of each quantity, and leave the others aside that move with it; all where they do not.
@@ -456,40 +455,25 @@ class Guesses:
         return bool({*map(column_of, self.channels)} & {*PER_FORCE})
 
     def _of_lines(self) -> dict[int, Guess]:
-        """Return the guesses for the columns of a table of steady responses, those that are named first."""
-        held: dict[str, str] = {}  # what is taken, by the key of its columns, of all levels
+        """Return the guesses for the columns of a table of steady responses: named, or asked for where a table lacks
+        something that their units allow."""
+        named = [column_of(raw) or "" for raw in self.channels]
+        held = {*map(_slot, named)} | ({"drive"} if self.per_force else set())
+        complete = {"frequency", "drive", "response", "phase"} <= held
         found: dict[int, Guess] = {}
-        named = {i: column_of(raw) for i, raw in enumerate(self.channels)}
-        for i in sorted(named, key=lambda i: named[i] is None):
-            raw, key = self.channels[i], self.keys[i]
-            unit, of = find_unit(raw.unit or ""), named[i]
-            may = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
-            why = samples.aside(self.values[i]) if of is None and not unit else ""
-            if of is None and samples.equal_step(self.values[i]) and not raw.unit:
-                may, why = ["frequency"], ""
-            elif not (of or raw.unit or why):
-                may = ["force", *ABSOLUTE, "phase"]
-            may = [of] if of else [q for q in may if not (self.per_force and "base_" in q)]
-            free = [q for q in may if held.get(self._slot(q), key) == key]
-            said = _BY_NAME if of else BY_UNIT if unit else "rises in equal steps"
-            if len(free) == 1:
-                held[self._slot(free[0])] = key
-                found[i] = Guess(free[0], said, raw.unit or "")
-            elif free and not self._complete(held):
-                found[i] = Guess("", said if unit else _BY_NOTHING, may=tuple(free))
+        for i, (raw, name) in enumerate(zip(self.channels, named, strict=True)):
+            unit, why = find_unit(raw.unit or ""), ""
+            if not (name or raw.unit or samples.equal_step(self.values[i])):
+                why = samples.aside(self.values[i])
+            fits = (
+                q for q, of in TABLE_DIMENSIONS.items() if (unit.dimension == of if unit else of)
+            )
+            may = tuple(q for q in fits if _slot(q) not in held)
+            if name or complete or why or not may:
+                found[i] = Guess(name, _BY_NAME if name else why or _BY_NOTHING, raw.unit or "")
             else:
-                found[i] = Guess("", why or f"{may[0]} is another" if may else why or _BY_NOTHING)
-        return {i: found[i] for i in named}
-
-    def _slot(self, quantity: str) -> str:
-        """Return what a table has one of: one drive, one response."""
-        if quantity in _DRIVES:
-            return "drive"
-        return "response" if quantity in _RESPONSES else quantity
-
-    def _complete(self, held: Collection[str]) -> bool:
-        """Return whether a table can be read with what is in these slots."""
-        return {"frequency", "response", "phase", *["drive"] * (not self.per_force)} <= {*held}
+                found[i] = Guess("", BY_UNIT if unit else _BY_NOTHING, may=may)
+        return found
 
     # --- what is read, and what is asked ---------------------------------------------------------------------------
 
@@ -523,7 +507,8 @@ class Guesses:
             names = listed([self.names[i] for i in asked[:LISTED]])
             because = f" ({'; '.join(why)})" if why else ""
             yield f"what {verb} {names} hold: {may}?{free}{because}"
-        self.require_one_coordinate([*held.values()])
+        turns = {self.channels[i].name: self.coordinate(i) for i in held.values()}
+        require_one_coordinate(str(self.path), turns)
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
             yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
         for quantity, i in held.items():
@@ -551,11 +536,6 @@ class Guesses:
             return f"channel {shortened(self.channels[i].name)}: {error}"
         return ""
 
-    def require_one_coordinate(self, channels: Collection[int]) -> None:
-        """Raise RecordError where some channels rotate and others move along a line."""
-        coordinates = {self.channels[i].name: self.coordinate(i) for i in channels}
-        require_one_coordinate(str(self.path), coordinates)
-
     def is_response(self) -> bool:
         """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
         named = [column_of(raw) for raw in self.channels]
@@ -572,6 +552,11 @@ class Guesses:
             turns = of.size and np.abs(of).max() <= _HALF_TURN and np.ptp(of) > 0.5 * _HALF_TURN
             phase |= named[i] == "phase" or bool(turns and not even)
         return frequency and phase
+
+
+def _slot(quantity: str) -> str:
+    """Return what a table has one of: one drive, one response."""
+    return "drive" if quantity in _DRIVES else "response" if quantity in _RESPONSES else quantity
 
 
 def _near(factor: float, dimension: str) -> str:

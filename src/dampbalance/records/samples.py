@@ -58,7 +58,8 @@ def strikes(values: Array) -> bool:
     """Return whether a channel rests but for short blows one way; a spike of one or two samples is none."""
     if values.size < _ENOUGH:
         return False
-    middle = np.median([values[:-2], values[1:-1], values[2:]], axis=0)
+    low, high = np.minimum(values[:-2], values[1:-1]), np.maximum(values[:-2], values[1:-1])
+    middle = np.maximum(low, np.minimum(high, values[2:]))
     off = middle - np.median(middle)
     peak, other = sorted([off.max(), -off.min()], reverse=True)
     rests = np.quantile(np.abs(off), 0.95) <= _AT_REST * peak
