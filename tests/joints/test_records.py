@@ -342,7 +342,8 @@ def test_the_draft_of_a_mapping_reads_the_table(tmp_path, names):
         columns = {name: of[: HZ.size] for name, of in columns.items()}
     path = written(tmp_path / "a.csv", {names.get(name, name): of for name, of in columns.items()})
     draft = yaml.safe_load(mapping_to_start_from(path, stepped=True))
-    named = {"displacement": "probe 1", "frequency": "a", "force": "b", "phase": "d"}
+    named = {"displacement": "probe 1", "force": ("b", "Load cell"), "phase": ("d", "lag")}
+    named["frequency"] = "a", "column 1"
     mapping = filled(draft, named, units={"frequency": "Hz"})
     require_truth(levels_of(path, mapping=mapping), FORCES[: columns["level"][-1].astype(int)])
     if set(names.values()) & {"Load cell [N]", "probe 1 [mm]", "phase"}:

@@ -20,6 +20,7 @@ import numpy as np
 from ..arrays import Array, Integers, ReadOnly
 from ..project.wording import listed, shortened, visible
 from ..records.channel import ABSOLUTE, Channel
+from ..records.draft import unclear
 from ..records.errors import RecordError
 from ..records.guess import Guesses, is_table_of_lines
 from ..records.headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
@@ -178,7 +179,7 @@ class _Table:
             other = self.columns.setdefault(role, {}).setdefault(place, i)
             if other != i:
                 both = listed([self.guesses.names[at] for at in (other, i)])
-                raise self.guesses.unclear(f"{both} are both taken for {role}")
+                raise unclear(self.guesses, f"{both} are both taken for {role}")
         for role in [q for q in self.columns if q.removesuffix(STANDARD_ERROR) not in self.columns]:
             del self.columns[role]
         answers = [q for q in _RESPONSES if q in self.columns]
@@ -190,7 +191,7 @@ class _Table:
         needed |= {drive: drives, f"a response ({', '.join(_RESPONSES)})": answers}
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            raise self.guesses.unclear(f"finds {listed(wrong)}")
+            raise unclear(self.guesses, f"finds {listed(wrong)}")
         self.drive, self.answer = drives[0], answers[0]
         self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
 
@@ -222,8 +223,10 @@ class _Table:
                 )
             factor = rule.scale * table_factor(text, quantity)
         except UnitError as error:
-            remedy = "" if self.rules.table else f". {self.guesses.proposed('Say what it is')}"
-            raise self._error(f"column {shortened(raw.name)}: {error}{remedy}") from None
+            words = f"column {shortened(raw.name)}: {error}"
+            if not self.rules.table:
+                raise unclear(self.guesses, f"{words}.") from None
+            raise self._error(words) from None
         if quantity == "frequency":
             return 2.0 * math.pi * factor
         return math.sqrt(2.0) * factor if "rms" in words_of(raw.name) else factor

@@ -125,12 +125,13 @@ class LoopBasis:
     kind: ClassVar[str] = "loops"
     mass_tests: ClassVar[bool] = False
     columns: ClassVar[Mapping[str, tuple[str, str]]] = {
-        "X_m": ("X", "mm"),
-        "cycles": ("n", ""),
-        "W_J": ("W", "J"),
-        "W_over_4X_N": ("W/4X", "N"),
-        "secant_stiffness_N_per_m": ("k_s", "N/mm"),
-        "equivalent_damping_ratio": ("ζ_eq", "%"),
+        **{
+            "X_m": ("X", "mm"),
+            "cycles": ("n", ""),
+            "W_J": ("W", "J"),
+            "W_over_4X_N": ("W/4X", "N"),
+        },
+        **{"secant_stiffness_N_per_m": ("k_s", "N/mm"), "equivalent_damping_ratio": ("ζ_eq", "%")},
         "force_at_largest_displacement_N": ("F+", "N"),
         "force_at_smallest_displacement_N": ("F−", "N"),
     }
@@ -451,8 +452,9 @@ def _answer(
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
     c, c_error = (of.get("c", 0.0) for of in (fit.values, fit.errors))
+    shape = [*_other_shape(fit)]
     if not slips(fit):
-        notes.append(Finding("loops stick"))
+        shape = shape or [Finding("loops stick")]
     elif not design.timed:
         notes.append(Finding("no times"))
     elif c < -_CERTAIN * c_error:
@@ -461,6 +463,7 @@ def _answer(
         notes.append(Finding("one speed"))
     elif parameters["c"] is UNKNOWN:
         notes.append(Finding("c hidden"))
+    notes += shape
     settled = [loop.settled() for loop in loops]
     rows = [row_of(loop, fit) for loop in settled]
     a, b, W = (np.concatenate(of) for of in zip(*rows, strict=True))
@@ -493,9 +496,16 @@ def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
     if abs(fall) > _FALLS:
         effect = {"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf}
         yield Finding("falls", {"by": abs(fall), "larger": bool(fall > 0.0)}, effect)
-    share, loss = fit.beyond_noise / fit.values[FRICTION], fit.wrong_loss
+
+
+def _other_shape(fit: LoopFit) -> Iterator[Finding]:
+    """Yield a finding where the loops are none of the contact: by the residual, of F_k or else of the force, and by the
+    loss."""
+    stuck = not slips(fit)
+    share = fit.beyond_noise / (float(np.std(fit.design.f)) if stuck else fit.values[FRICTION])
+    loss = 0.0 if stuck else fit.wrong_loss
     if (off := max(share, loss)) > USELESS:
-        numbers = {"share": share, "loss": loss, "wrong": loss > USELESS}
+        numbers = {"share": share, "loss": loss, "wrong": loss > USELESS, "stuck": stuck}
         yield Finding("other shape", numbers, {"": off if off < _NO_SLIDER else math.inf})
 
 

@@ -113,15 +113,7 @@ class Loop:
 
     @classmethod
     def of(
-        cls,
-        name: str,
-        t: Array,
-        x: Array,
-        f: Array,
-        missing: Mask | None = None,
-        *,
-        timed: bool = True,
-        skipped: int = 0,
+        cls, name: str, t: Array, x: Array, f: Array, missing: Mask | None = None, skipped: int = 0
     ) -> Loop:
         """Return the loop of samples in equal steps, without the cycles with samples that are missing.
 
@@ -155,8 +147,8 @@ class Loop:
             if not left.size:
                 raise ValueError(f"{name}: samples are missing in each of its cycles")
             cycle = np.where(cycle < 0, -1, np.searchsorted(left, cycle))
-        smoothed = x, corners(x, turns, noise), np.asarray(v)
-        loop = cls(name, t, *smoothed, f, cycle, timed=timed, first=skipped + 1)
+        through = corners(x, turns, noise)
+        loop = cls(name, t, x, through, np.asarray(v), f, cycle, first=skipped + 1)
         lost = loop.lost / loop.amplitudes
         scatter = lost.std(ddof=1) / math.sqrt(lost.size) if lost.size > 1 else 0.0
         gains = lost.mean() < -_CERTAIN * scatter

@@ -43,7 +43,6 @@ def loops(
             axes.plot(1e3 * np.array(X), F, "o-", color=STICK, markersize=3.0, linewidth=0.8)
     axes.lines[0].set_label("measured")
     axes.lines[-1].set_label("backbone")
-    N, mm = map(of.unit, ("N", "mm"))
     lowest = place(figure, 22.0, 20.0, 150.0, 24.0) if fit else axes
     for loop, model in zip(fit.design.loops if fit else (), fit.models if fit else (), strict=True):
         typical = loop.cycle[loop.own] == np.argsort(loop.amplitudes)[loop.cycles // 2]
@@ -53,9 +52,9 @@ def loops(
     if fit:
         axes.lines[-1].set_label("contact fitted")
         axes.tick_params(labelbottom=False)
-        lowest.set(xlim=axes.get_xlim(), ylabel=f"residual ({N})")
-    axes.set_ylabel(f"{of.noun('force')} ({N})")
-    lowest.set_xlabel(f"{of.noun('displacement')} ({mm})")
+        lowest.set(xlim=axes.get_xlim(), ylabel=f"residual ({of.unit('N')})")
+    axes.set_ylabel(f"{of.noun('force')} ({of.unit('N')})")
+    lowest.set_xlabel(f"{of.noun('displacement')} ({of.unit('mm')})")
     return explained(figure, [(axes, axes)], scale=1.0)
 
 

@@ -91,6 +91,6 @@ def _loop(record: Record, series: float | None, skipped: int) -> tuple[Loop, lis
     N = channels["normal_force"] if "normal_force" in record.quantities else None
     gaps = [np.interp(t, of.t, of.missing) > 0.0 for of in used if of.missing is not None]
     missing = np.any(gaps, axis=0) if gaps else None
-    loop = Loop.of(record.name, t, x, f, missing, timed=record.timed, skipped=skipped)
+    loop = Loop.of(record.name, t, x, f, missing, skipped)
     pressed = None if N is None else np.abs(np.interp(t, N.t, N.values))
-    return replace(loop, N=pressed), cut
+    return replace(loop, N=pressed, timed=record.timed), cut

@@ -7,11 +7,9 @@ A record is read where nothing is left to ask. Otherwise the same guesses are th
 from __future__ import annotations
 
 import itertools
-import json
 import math
-import re
 import warnings
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,7 +24,6 @@ from .channel import (
     ACCOMPANYING,
     EXCITATIONS,
     ORDERS,
-    QUANTITIES,
     RESPONSES,
     require_one_coordinate,
 )
@@ -34,13 +31,11 @@ from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
     AXES,
-    STANDARD_ERROR,
     TURNING,
     WORDS,
     axis_of,
     by_unit,
     column_of,
-    coordinate_of,
     full_name,
     holds_time,
     key_of,
@@ -52,12 +47,11 @@ from .headings import (
     without_number,
     words_of,
 )
-from .mapping import BLANK, ChannelRule, RecordMapping, Which
+from .mapping import ChannelRule, RecordMapping, Which
 from .table import Table
 from .units import (
     DIMENSIONS,
     PER_FORCE,
-    SI,
     TABLE_DIMENSIONS,
     UNITS,
     VOLTAGE,
@@ -72,19 +66,17 @@ LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _ROUNDING = 1e-3  # relative, of the absolute value of three axes
 _TRIED = 20  # columns that are read one by one where some column holds a text
-# words that YAML takes for others
-_YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
-_LONGEST = 60  # characters of a name; a column with a longer one is called by its number
-_TURNS = 6.3  # rad, of an angle: more is in degrees
+ANGLE = 6.3  # rad, of an angle: more is in degrees
 _SAME = 0.05  # relative: of gravity or of a slope, which tell a unit
 _KILOHERTZ, _HALF_TURN = 1000.0, 181.0  # what a frequency response goes up to, and its phase, deg
 _BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its unit"
 _BY_NOTHING = "neither name nor unit says what it is"
 _LEVELS = (_BY_NAME, _BY_A_WORD, BY_UNIT, _BY_NOTHING)
+UNNAMED = (BY_UNIT, _BY_NOTHING)
 _OF_MASS = {*WORDS["mass"].split()}
 _ROLES = EXCITATIONS, RESPONSES
 _TAKEN = "other channels are taken for drive and response"
-_RESPONSE = (
+RESPONSE = (
     "this is a frequency response, with frequency, magnitude and phase: give the records in time, or a table of a "
     "stepped sine with the amplitudes of drive and response at each level"
 )
@@ -95,8 +87,6 @@ _GOES_ROUND = "a guess: the two columns go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
 _DRIVES = (*EXCITATIONS, "base_velocity")
 _RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
-_KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes force_N"
-"""Keys of a mapping that stay in the one suggested."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -274,8 +264,11 @@ class Guesses:
         named = {i: guess.quantity for i, guess in found.items() if guess.reason == _BY_NAME}
         driving, answering = ([i for i, q in named.items() if q in of] for of in _ROLES)
         clear = len({*named.values()}) == len(named) and all(self.channels[i].unit for i in named)
-        if clear and len(driving) == 1 and answering and self._words(driving[0]) != {"y"}:
-            self._leave(found, found.keys() - named.keys(), _TAKEN)
+        rest = [i for i, of in found.items() if of.reason in _LEVELS and i not in named]
+        alone = len(named) == 1 and not rest
+        driven = len(driving) == 1 and self._words(driving[0]) != {"y"}
+        if clear and answering and (driven or alone):
+            self._leave(found, rest, _TAKEN)
         else:
             self._look(found)
         if self.mapping.free:  # a drive with a known unit is read, to see that it stands still
@@ -352,7 +345,7 @@ class Guesses:
             unsure = [] if sure and not unsure else chosen
         self._ask(found, unsure, drives)
         chosen = [i for i in chosen if i not in unsure]
-        for i in live if chosen else ():
+        for i in live if chosen and known else ():
             new = i not in (*drives, *chosen) and found[i].quantity not in held
             if new and found[i].reason in _LEVELS and self._are_one(found, [chosen[0], i]):
                 chosen.append(i)
@@ -382,7 +375,7 @@ class Guesses:
             may = (of,) if of else tuple(EXCITATIONS | ABSOLUTE)
             if (base := f"base_{of}") in EXCITATIONS:
                 may = (base, of)
-            if drives and i not in drives:
+            if (drives and i not in drives) or self.mapping.free:
                 may = tuple(q for q in may if q not in EXCITATIONS)
             found[i] = Guess("", found[i].reason, may=may)
 
@@ -400,11 +393,8 @@ class Guesses:
 
     def _turns(self, i: int) -> bool:
         """Return whether a column is of a rotation, by its unit or name."""
-        raw = self.channels[i]
-        known = find_motion(raw.unit or "") is not None
-        return (
-            coordinate_of(raw) == ROTATION if known else bool(self._words(i) & {*TURNING.split()})
-        )
+        unit = find_motion(self.channels[i].unit or "")
+        return unit.coordinate == ROTATION if unit else bool(self._words(i) & {*TURNING.split()})
 
     def _apart(self, found: dict[int, Guess], answers: Sequence[int], same: bool) -> list[int]:
         """Return one response of each quantity, and leave the others aside that move with it; all where they do not.
@@ -450,9 +440,9 @@ class Guesses:
         if (text := unit_of(self.channels[i])) is not None:
             return replace(guess, unit=text)
         order = ORDERS.get(guess.quantity, -1)
-        for j, other in found.items():
+        for j, other in found.items() if guess.quantity in ABSOLUTE else ():
             known = find_motion(unit_of(self.channels[j]) or "")
-            if order < 0 or known is None or other.quantity not in ORDERS:
+            if known is None or other.quantity not in ABSOLUTE:
                 continue
             after = ORDERS[other.quantity] > order
             first, second = (i, j) if after else (j, i)
@@ -463,7 +453,7 @@ class Guesses:
                 return replace(guess, unit=unit, said=said)
         if guess.quantity == "displacement" and self._turns(i):
             size = float(np.nanmax(np.abs(self.values[i]), initial=0.0))
-            unit = "rad" if size <= _TURNS else "deg"
+            unit = "rad" if size <= ANGLE else "deg"
             said = Finding("unit by size", name | {"unit": unit, "size": size})
             return replace(guess, unit=unit, said=said)
         if guess.quantity == "acceleration":
@@ -483,44 +473,29 @@ class Guesses:
         return bool({*map(column_of, self.channels)} & {*PER_FORCE})
 
     def _of_lines(self) -> dict[int, Guess]:
-        """Return the guesses for the columns of a table of steady responses, those that are named first."""
-        held: dict[str, str] = {}  # what is taken, by the key of its columns, of all levels
+        """Return the guesses for the columns of a table of steady responses: named, or asked for where a table lacks
+        something that their units allow."""
+        named = [column_of(raw) or "" for raw in self.channels]
+        held = {*map(_slot, named)} | ({"drive"} if self.per_force else set())
+        complete = {"frequency", "drive", "response", "phase"} <= held
         found: dict[int, Guess] = {}
-        named = {i: column_of(raw) for i, raw in enumerate(self.channels)}
-        for i in sorted(named, key=lambda i: named[i] is None):
-            raw, key = self.channels[i], self.keys[i]
-            unit, of = find_unit(raw.unit or ""), named[i]
-            may = [q for q in TABLE_DIMENSIONS if unit and TABLE_DIMENSIONS[q] == unit.dimension]
-            why = samples.aside(self.values[i]) if of is None and not unit else ""
-            if of is None and samples.equal_step(self.values[i]) and not raw.unit:
-                may, why = ["frequency"], ""
-            elif not (of or raw.unit or why):
-                may = ["force", *ABSOLUTE, "phase"]
-            may = [of] if of else [q for q in may if not (self.per_force and "base_" in q)]
-            free = [q for q in may if held.get(self._slot(q), key) == key]
-            said = _BY_NAME if of else BY_UNIT if unit else "rises in equal steps"
-            if len(free) == 1:
-                held[self._slot(free[0])] = key
-                found[i] = Guess(free[0], said, raw.unit or "")
-            elif free and not self._complete(held):
-                found[i] = Guess("", said if unit else _BY_NOTHING, may=tuple(free))
+        for i, (raw, name) in enumerate(zip(self.channels, named, strict=True)):
+            unit, why = find_unit(raw.unit or ""), ""
+            if not (name or raw.unit or samples.equal_step(self.values[i])):
+                why = samples.aside(self.values[i])
+            fits = (
+                q for q, of in TABLE_DIMENSIONS.items() if (unit.dimension == of if unit else of)
+            )
+            may = tuple(q for q in fits if _slot(q) not in held)
+            if name or complete or why or not may:
+                found[i] = Guess(name, _BY_NAME if name else why or _BY_NOTHING, raw.unit or "")
             else:
-                found[i] = Guess("", why or f"{may[0]} is another" if may else why or _BY_NOTHING)
-        return {i: found[i] for i in named}
-
-    def _slot(self, quantity: str) -> str:
-        """Return what a table has one of: one drive, one response."""
-        if quantity in _DRIVES:
-            return "drive"
-        return "response" if quantity in _RESPONSES else quantity
-
-    def _complete(self, held: Collection[str]) -> bool:
-        """Return whether a table can be read with what is in these slots."""
-        return {"frequency", "response", "phase", *["drive"] * (not self.per_force)} <= {*held}
+                found[i] = Guess("", BY_UNIT if unit else _BY_NOTHING, may=may)
+        return found
 
     # --- what is read, and what is asked ---------------------------------------------------------------------------
 
-    def _coordinate(self, i: int) -> Coordinate:
+    def coordinate(self, i: int) -> Coordinate:
         """Return whether a column rotates, by the unit that it is read in."""
         unit = find_motion(self.all[i].unit)
         return unit.coordinate if unit else ROTATION if self._turns(i) else TRANSLATION
@@ -529,17 +504,23 @@ class Guesses:
     def rules(self) -> dict[str, ChannelRule]:
         """What is read, as a mapping says it."""
         return {
-            of.quantity: ChannelRule(i + 1, of.unit or None, coordinate=self._coordinate(i))
+            of.quantity: ChannelRule(i + 1, of.unit or None, coordinate=self.coordinate(i))
             for i, of in self.all.items()
             if of.quantity
         }
+
+    @property
+    def untimed(self) -> bool:
+        """Whether what is read is a measured loop, which does without times."""
+        read = (of.quantity for of in self.all.values() if of.quantity)
+        return is_loop(read) and not self.mapping.free
 
     def questions(self) -> Iterator[str]:
         """Yield what is to be said of the file before it can be read, the first thing first."""
         held = {of.quantity: i for i, of in self.all.items() if of.quantity}
         asked = [i for i, of in self.all.items() if of.may]
-        if self._is_response():
-            yield _RESPONSE
+        if self.is_response():
+            yield RESPONSE
         if not held.keys() & {*RESPONSES} and not asked:
             yield f"finds no response: name one of {', '.join(ABSOLUTE)}; its columns are {self.overview}."
         if asked:
@@ -550,19 +531,19 @@ class Guesses:
             names = listed([self.names[i] for i in asked[:LISTED]])
             because = f" ({'; '.join(why)})" if why else ""
             yield f"what {verb} {names} hold: {may}?{free}{because}"
-        self.require_one_coordinate([*held.values()])
+        turns = {self.channels[i].name: self.coordinate(i) for i in held.values()}
+        require_one_coordinate(str(self.path), turns)
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
             yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
         for quantity, i in held.items():
-            if problem := self._of_unit(i, self._coordinate(i).key(quantity)):
+            if problem := self._of_unit(i, self.coordinate(i).key(quantity)):
                 yield problem
         if self.mapping.sample_rate_hz is None and held:
-            loop = is_loop(held) and not self.mapping.free
             untimed = [i for i in held.values() if self.channels[i].rate_hz is None]
             for i, time in {i: self.time_of(i) for i in untimed}.items():
                 if time is None and (fault := self.channels[i].fault):
                     raise RecordError(f"{self.path}: {fault}")
-                if time is None and not loop:
+                if time is None and not self.untimed:
                     yield "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
                 elif time is not None and (problem := self._of_unit(time, "time")):
                     yield problem
@@ -579,139 +560,27 @@ class Guesses:
             return f"channel {shortened(self.channels[i].name)}: {error}"
         return ""
 
-    def require_one_coordinate(self, channels: Collection[int]) -> None:
-        """Raise RecordError where some channels rotate and others move along a line."""
-        coordinates = {self.channels[i].name: self._coordinate(i) for i in channels}
-        require_one_coordinate(str(self.path), coordinates)
-
-    def _is_response(self) -> bool:
+    def is_response(self) -> bool:
         """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
         named = [column_of(raw) for raw in self.channels]
-        driven = {*named} & {*_DRIVES} or self.mapping.force_N
-        if any(map(names_time, self.channels)) or driven:
+        driven = {*_DRIVES} & {*named} or "force" in map(by_unit, self.channels)
+        if driven or self.mapping.force_N or any(map(names_time, self.channels)):
             return False
-        held = {i: of[np.isfinite(of)] for i, of in self.values.items()}
-        even = [i for i, of in held.items() if of.size and samples.equal_step(of) is not None]
-        rising = [i for i in even if held[i][-1] >= _KILOHERTZ and not self.channels[i].unit]
-        phases = [
-            i
-            for i, of in held.items()
-            if of.size > 2 and np.abs(of).max() <= _HALF_TURN and np.ptp(of) > 0.5 * _HALF_TURN
-        ]
-        frequency = "frequency" in named or (rising and len(held) > 2)
-        if self.per_force:  # or a stepped sine at a force that is to be stated
-            frequency = "frequency" in named and named.index("frequency") in even
-        return bool(frequency and ("phase" in named or [i for i in phases if i not in even]))
+        frequency = phase = False
+        for i, of in self.values.items():
+            of = of[np.isfinite(of)]
+            even = samples.equal_step(of) is not None
+            if even or not self.per_force:  # or else a stepped sine at a force to be stated
+                rises = even and self.channels[i].unit is None and len(named) > 2
+                frequency |= named[i] == "frequency" or (rises and of[-1] >= _KILOHERTZ)
+            turns = of.size and np.abs(of).max() <= _HALF_TURN and np.ptp(of) > 0.5 * _HALF_TURN
+            phase |= named[i] == "phase" or bool(turns and not even)
+        return frequency and phase
 
-    def lines(self) -> list[str]:
-        """Return the guesses as a mapping in YAML, each line with its reason, the columns left out, and a blank where
-        something is to be filled in."""
-        chosen = {g.quantity: i for i, g in reversed(self.all.items()) if g.quantity}
-        driving, asked = {*chosen} & {*EXCITATIONS}, [i for i, g in self.all.items() if g.may]
-        head = (
-            "channels:" if driving or asked else "channels:  # a free decay, without an excitation"
-        )
-        lines = ["table:" if self.stepped else head]
-        order = TABLE_DIMENSIONS if self.stepped else QUANTITIES
-        for quantity in filter(chosen.__contains__, order):
-            i, reason = chosen[quantity], self.all[chosen[quantity]].reason
-            stated, remark = self._in_unit(i, quantity)
-            name = quantity if self.stepped else self._coordinate(i).key(quantity)
-            if (error := chosen.get(quantity + STANDARD_ERROR)) is not None:
-                stated += f", standard_error: {self._which(error)}"
-            relative = quantity in ABSOLUTE and driving - {"force"} and reason != _BY_NAME
-            if relative and not self.stepped:
-                remark = f"; relative_{name} if measured against the base{remark}"
-            lines.append(f"  {name}: {{channel: {self._which(i)}{stated}}}  # {reason}{remark}")
-        for i in asked:
-            of = self.all[i]
-            key = json.dumps(f"what is {self._which(i).strip(chr(34))}{BLANK}", ensure_ascii=False)
-            stated, remark = self._in_unit(i, of.may[0])
-            remark = (
-                f"{listed(of.may, 'or')}; leave the line out if it is none; {of.reason}{remark}"
-            )
-            lines.append(f"  {key}: {{channel: {self._which(i)}{stated}}}  # {remark}")
-        for key in _KEPT.split():
-            if (value := getattr(self.mapping, key)) not in (None, ""):
-                lines.append(f"{key}: {json.dumps(value, ensure_ascii=False)}")
-        if not self.stepped:
-            lines += self._time()
-        elif self.per_force and not driving and not self.mapping.force_N:
-            lines.append(f'force_N: "{BLANK}"  # the amplitude of the force: the file has none')
-        read = {self.keys[i] for i in chosen.values()} if self.stepped else set()  # of all levels
-        aside = [
-            f"# left aside: {self.names[i]}: {guess.reason}"
-            for i, guess in self.all.items()
-            if not (guess.quantity or guess.may) and self.keys[i] not in read
-        ]
-        more = [f"# and {len(aside) - LISTED} more"] * (len(aside) > LISTED)
-        return [*lines, *aside[:LISTED], *more]
 
-    def _in_unit(self, i: int, quantity: str) -> tuple[str, str]:
-        """Return the unit and scale of a column in the mapping, and a remark on them."""
-        text = self.all[i].unit or unit_of(self.channels[i]) or ""
-        si = SI.get(quantity, "")
-        own, dimension = find_motion(text), DIMENSIONS.get(quantity)
-        if self.stepped:
-            own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
-        if quantity == "level":
-            return "", ""
-        if own and dimension in (own.dimension, own.counterpart):
-            said = self.all[i].said if self.channels[i].unit is None else None
-            return f", unit: {own.name}", "; the file has no unit" * (said is not None)
-        if text and quantity in PER_FORCE:
-            return f", unit: {text}", ""
-        if find_other(text):
-            return f', unit: {si}, scale: "{BLANK}"', f"; recorded in {text}: {si} per {text}"
-        if quantity == "phase" and not text and (values := self.values[i]).size:
-            unit = "rad" if np.nanmax(np.abs(values)) <= _TURNS else "deg"
-            return f", unit: {unit}", "; by its size, the file has no unit"
-        return f', unit: "{BLANK}"', f"; recorded in {text}" if text else "; the file has no unit"
-
-    def _time(self) -> list[str]:
-        """Return the line about times, if one is needed."""
-        if self.mapping.sample_rate_hz is not None:
-            return []
-        if not self.times:
-            loop = is_loop({of.quantity for of in self.all.values()} - {""})
-            stated = loop or any(raw.rate_hz for raw in self.channels)
-            line = f'sample_rate_hz: "{BLANK}"  # samples per second: the file has no times'
-            return [] if stated else [line]
-        first = self.times[0]
-        line = f"time: {{channel: {self._which(first)}, unit: "
-        text = self.unit_of_time(first)
-        known = find_unit(text or "")
-        if known is None or known.dimension != "time":
-            return [f'{line}"{BLANK}"}}  # the file does not say it']
-        told = (
-            "" if self.mapping.time_unit or unit_of(self.channels[first]) else "  # in parts of 1"
-        )
-        return [f"{line}{known.name}}}{told}"] if len(self.times) == 1 else []
-
-    def _which(self, i: int) -> str:
-        """Return a column as a mapping names it: by its name, or by its number where that is long or not its alone."""
-        name = self.channels[i].name
-        if self.keys.count(self.keys[i]) > 1 and self.stepped:  # one column for each level
-            name = of_level(name)
-        elif self.keys.count(self.keys[i]) > 1 or len(name) > _LONGEST:
-            return str(i + 1)
-        plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
-        return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
-
-    def proposed(self, what: str) -> str:
-        """Say `what` to write, with the guesses as a mapping."""
-        if not any(of.quantity or of.may for of in self.all.values()):
-            return f"Name the file and the column of each signal in {self.where}"
-        here = "" if self.mapping.source else " (--write-mapping writes it)"
-        return "\n  ".join([f"{what} in {self.where}{here}, for example", *self.lines()])
-
-    def unclear(self, what: str) -> RecordError:
-        """Return the error for a file that something must be said of: what it is, and the mapping to write."""
-        if self.stepped:
-            what = f"{_RESPONSE} ({what})" if self._is_response() else what
-            what += f"; a table has a frequency, a drive, a response and a phase. Its columns are {self.overview}."
-        draft = "" if what.startswith(_RESPONSE) else f" {self.proposed('Say it')}"
-        return RecordError(f"{self.path}: {what}{draft}")
+def _slot(quantity: str) -> str:
+    """Return what a table has one of: one drive, one response."""
+    return "drive" if quantity in _DRIVES else "response" if quantity in _RESPONSES else quantity
 
 
 def _near(factor: float, dimension: str) -> str:
@@ -729,42 +598,3 @@ def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
         return bool(rules.table)
     held = {column_of(raw) for raw in file.channels}
     return {"frequency", "phase"} <= held and not any(map(names_time, file.channels))
-
-
-def runs_of(file: Table) -> list[Table]:
-    """Return a table for each run of a file that has several side by side: blocks of columns with the same names, each
-    with its times first; the file itself where it has not."""
-    held = [i for i, raw in enumerate(file.channels) if raw.label]  # an empty column has no name
-    times = [n for n, i in enumerate(held) if names_time(file.channels[i])]
-    blocks = [held[a:b] for a, b in itertools.pairwise([*times, len(held)])]
-    names = [
-        [(key_of(raw.name), raw.unit) for i in of for raw in [file.channels[i]]] for of in blocks
-    ]
-    if len(blocks) < 2 or times[0] or len(names[0]) < 2 or any(of != names[0] for of in names):
-        return [file]
-
-    def part(block: list[int]) -> Table:
-        channels = [file.channels[i] for i in block]
-        return replace(
-            file,
-            channels=channels,
-            load=lambda wanted: [file.columns([block[i]])[block[i]] for i in wanted],
-            loaded={},
-        )
-
-    return [part(block) for block in blocks]
-
-
-def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None = None) -> str:
-    """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason.
-
-    stepped : whether it holds steady responses to a stepped sine; None to see it by its columns.
-
-    Raises RecordError where the mapping names channels already, or nothing in the file can be named.
-    """
-    if mapping.channels or mapping.table:
-        raise RecordError(f"{mapping.source} names the channels of {file.path} already")
-    guesses = Guesses(file, mapping, stepped=stepped)
-    if not any(of.quantity or of.may for of in guesses.all.values()):
-        raise guesses.unclear("finds no column that may be a motion or a force.")
-    return "\n".join([*guesses.lines(), ""])

@@ -10,10 +10,11 @@ import re
 import unicodedata
 from collections.abc import Container, Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 from .channel import ABSOLUTE, EXCITATIONS
 from .coordinate import TRANSLATION, Coordinate
-from .table import RawChannel
+from .table import RawChannel, Table
 from .units import (
     DIMENSIONS,
     PER_FORCE,
@@ -27,8 +28,8 @@ from .units import (
 WORDS = {
     "displacement": "displacement disp deflection position pos dist distance x weg auslenkung "
     "verschiebung abstand angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel",
-    "velocity": "velocity vel v geschwindigkeit speed drehzahl",
-    "acceleration": "acceleration accel acc beschleunigung",
+    "velocity": "velocity vel v geschwindigkeit speed drehzahl omega ω winkelgeschwindigkeit",
+    "acceleration": "acceleration accel acc beschleunigung winkelbeschleunigung",
     "force": "force forc f kraft torque moment drehmoment",
     "base_displacement": "y",
     "base": "base ground table shaker foundation support excitation input in eingang "
@@ -233,3 +234,18 @@ def words_of(name: str) -> list[str]:
         parts = (part for i in cuts if {*(part := (word[:i], word[i:]))} <= _MEANINGS.keys())
         words += [word] if word in _MEANINGS else next(parts, (word,))
     return words
+
+
+def runs_of(file: Table) -> list[Table]:
+    """Return a table for each run of a file that has several side by side: blocks of columns with the same names, each
+    with its times first; the file itself where it has not."""
+    held = [i for i, raw in enumerate(file.channels) if raw.label]  # an empty column has no name
+    times = [n for n, i in enumerate(held) if names_time(file.channels[i])]
+    blocks = [held[a:b] for a, b in pairwise([*times, len(held)])]
+    names = [
+        [(key_of(raw.name), raw.unit) for raw in map(file.channels.__getitem__, of)]
+        for of in blocks
+    ]
+    if len(blocks) < 2 or times[0] or len(names[0]) < 2 or any(of != names[0] for of in names):
+        return [file]
+    return [file.part(block) for block in blocks]

@@ -16,7 +16,7 @@ from ..project.files import sha256
 from ..project.wording import visible
 from .coordinate import ROTATION, TRANSLATION
 from .errors import RecordError, RecordWarning
-from .guess import runs_of
+from .headings import runs_of
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .readers import opened
 from .recognise import recognise

@@ -30,6 +30,7 @@ from .channel import (
 )
 from .clock import GRID_TOLERANCE, uneven
 from .coordinate import TRANSLATION, Coordinate
+from .draft import unclear
 from .errors import RecordError, RecordWarning
 from .guess import BY_UNIT, Guesses, first_of, is_loop
 from .headings import unit_of
@@ -106,7 +107,7 @@ def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
     rules: Mapping[str, ChannelRule] = mapping.channels
     if not rules:
         for question in guesses.questions():
-            raise guesses.unclear(question)
+            raise unclear(guesses, question)
         rules = guesses.rules
     found = {q: guesses.find(of.channel, f"channels.{q}.channel")[0] for q, of in rules.items()}
     loop = is_loop(found) and not mapping.free

@@ -17,6 +17,7 @@ _LINE = 7.0  # a line of the periodogram of white noise exceeds ln n + 7 in one 
 _AT_REST = 0.05  # of its peak: a blow leaves a channel this near to rest for 95 % of the time
 _ONE_WAY = 0.3  # of its peak, that a blow goes the other way at the most
 _PARTS = 4  # of a record, each with most of a cycle at least
+_FALLS = 0.95  # of the range in a part, left in the next of a decay
 _DIED = 0.35  # of the largest range in a part, left in the last
 _BAND = 0.02  # of the strongest line: weaker ones show noise
 _ALIKE = 0.95  # correlation of two columns that are one motion
@@ -58,7 +59,8 @@ def strikes(values: Array) -> bool:
     """Return whether a channel rests but for short blows one way; a spike of one or two samples is none."""
     if values.size < _ENOUGH:
         return False
-    middle = np.median([values[:-2], values[1:-1], values[2:]], axis=0)
+    low, high = np.minimum(values[:-2], values[1:-1]), np.maximum(values[:-2], values[1:-1])
+    middle = np.maximum(low, np.minimum(high, values[2:]))
     off = middle - np.median(middle)
     peak, other = sorted([off.max(), -off.min()], reverse=True)
     rests = np.quantile(np.abs(off), 0.95) <= _AT_REST * peak
@@ -80,13 +82,15 @@ def _is_noise(values: Array) -> bool:
 
 
 def dies_out(values: Array) -> bool:
-    """Return whether a motion has mostly decayed at the end of its record."""
+    """Return whether a motion swings less and less up to the end of its record, as a decay does: one that is driven and
+    stops at the end goes on before."""
     finite = values[np.isfinite(values)]
-    if finite.size < _ENOUGH:
+    if finite.size < _ENOUGH or np.count_nonzero(np.diff(finite > np.median(finite))) < _PARTS:
         return False
-    turns = np.count_nonzero(np.diff(finite > np.median(finite)))
-    ranges = [float(np.ptp(part)) for part in np.array_split(finite, _PARTS)]
-    return turns >= _PARTS and ranges[-1] < _DIED * max(ranges)
+    ranges = np.array([np.ptp(part) for part in np.array_split(finite, _PARTS)]) / np.ptp(finite)
+    after = ranges[int(np.argmax(ranges)) :]
+    falls = (after[1:] < _FALLS * after[:-1]) | (after[:-1] < _DIED)
+    return bool(after[-1] < _DIED and falls.all())
 
 
 def slope(values: Array, other: Array, dt: float, order: int = 1) -> float | None:

@@ -98,6 +98,16 @@ class Table:
                     raise RecordError(f"{column} holds {error}") from None
         return {i: self.loaded[i] for i in wanted}
 
+    def part(self, columns: Sequence[int]) -> Table:
+        """Return some of the channels as a table."""
+        channels = [self.channels[i] for i in columns]
+
+        def load(wanted: Sequence[int]) -> Sequence[ArrayLike]:
+            held = self.columns([columns[i] for i in wanted])
+            return [held[columns[i]] for i in wanted]
+
+        return replace(self, channels=channels, load=load, oddity="", loaded={})
+
 
 @contextmanager
 def intact(path: Path, what: str) -> Iterator[None]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ... import arguments
 from ..channel import QUANTITIES
-from ..guess import suggested_mapping
+from ..draft import suggested_mapping
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..recognise import picks_of, recognise
 from ..record import Record
@@ -62,8 +62,8 @@ def mapping_to_start_from(
 ) -> str:
     """Return a mapping in YAML that names the channels of a file as far as headings, units and samples show them.
 
-    It can be read as it stands; comments say what each line comes from, and why the other channels are left aside.
-    Write it next to the record and correct what is wrong.
+    Comments say what each line comes from, and why the other channels are left aside; "?" stands for what nothing
+    tells. Write it next to the record, fill it in, and correct what is wrong.
 
     mapping : what is known already, such as delimiter or sampling rate.   stepped : whether the file is a table of
     steady responses to a stepped sine; None to see it by its columns.

@@ -1,0 +1,135 @@
+"""The guesses about a file as a mapping in YAML, each line with its reason and a blank where nothing tells what to
+write: what `--write-mapping` writes and a refusal shows."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..project.wording import listed
+from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES
+from .errors import RecordError
+from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses
+from .headings import STANDARD_ERROR, of_level, unit_of
+from .mapping import BLANK, RecordMapping
+from .table import Table
+from .units import DIMENSIONS, PER_FORCE, SI, TABLE_DIMENSIONS, find_motion, find_other, find_unit
+
+# words that YAML takes for others
+_YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
+_LONGEST = 60  # characters of a name; a column with a longer one is called by its number
+_KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes force_N"
+"""Keys of a mapping that stay in the one suggested."""
+
+
+def unclear(of: Guesses, what: str) -> RecordError:
+    """Return the error for a file that something must be said of: what it is, and the mapping to write."""
+    if of.stepped:
+        what = f"{RESPONSE} ({what})" if of.is_response() else what
+        what += f"; a table has a frequency, a drive, a response and a phase. Its columns are {of.overview}."
+    shown = [] if what.startswith(RESPONSE) else [*draft(of)]
+    here = "" if of.mapping.source else " (--write-mapping writes it)"
+    if shown:
+        what = "\n  ".join([f"{what} Say it in {of.where}{here}, for example", *shown])
+    return RecordError(f"{of.path}: {what}")
+
+
+def draft(of: Guesses) -> Iterator[str]:
+    """Yield the lines of the mapping, and the columns left out; nothing where no column may be of use."""
+    chosen = {g.quantity: i for i, g in reversed(of.all.items()) if g.quantity}
+    driving, asked = {*chosen} & {*EXCITATIONS}, [i for i, g in of.all.items() if g.may]
+    if not (chosen or asked):
+        return
+    free = "" if driving or asked else "  # a free decay, without an excitation"
+    yield "table:" if of.stepped else f"channels:{free}"
+    for quantity in filter(chosen.__contains__, TABLE_DIMENSIONS if of.stepped else QUANTITIES):
+        i = chosen[quantity]
+        name = quantity if of.stepped else of.coordinate(i).key(quantity)
+        stated, remark = _in_unit(of, i, quantity)
+        if (error := chosen.get(quantity + STANDARD_ERROR)) is not None:
+            stated += f", standard_error: {_which(of, error)}"
+        if quantity in ABSOLUTE and driving - {"force"} and of.all[i].reason in UNNAMED:
+            remark = f"; relative_{name} if measured against the base{remark}"
+        yield f"  {name}: {{channel: {_which(of, i)}{stated}}}  # {of.all[i].reason}{remark}"
+    for i in asked:
+        which, may = _which(of, i), of.all[i].may
+        stated, remark = _in_unit(of, i, may[0])
+        key = json.dumps(f"what is {which.strip(chr(34))}{BLANK}", ensure_ascii=False)
+        words = f"{listed(may, 'or')}, or leave the line out; {of.all[i].reason}{remark}"
+        yield f"  {key}: {{channel: {which}{stated}}}  # {words}"
+    for key in _KEPT.split():
+        if (value := getattr(of.mapping, key)) not in (None, ""):
+            yield f"{key}: {json.dumps(value, ensure_ascii=False)}"
+    if not of.stepped:
+        yield from _time(of)
+    elif of.per_force and not driving and not of.mapping.force_N:
+        yield f'force_N: "{BLANK}"  # the amplitude of the force: the file has none'
+    read = {of.keys[i] for i in chosen.values()} if of.stepped else set()  # of all levels
+    aside = [
+        f"# left aside: {of.names[i]}: {guess.reason}"
+        for i, guess in of.all.items()
+        if not (guess.quantity or guess.may) and of.keys[i] not in read
+    ]
+    yield from aside[:LISTED]
+    if len(aside) > LISTED:
+        yield f"# and {len(aside) - LISTED} more"
+
+
+def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
+    """Return the unit and scale of a column in the mapping, and a remark on them."""
+    text, si = of.all[i].unit or unit_of(of.channels[i]) or "", SI.get(quantity)
+    own, dimension = find_motion(text), DIMENSIONS.get(quantity)
+    if of.stepped:
+        own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
+    if si is None:  # a level
+        return "", ""
+    if own and dimension in (own.dimension, own.counterpart):
+        return f", unit: {own.name}", "; the file has no unit" * (of.all[i].said is not None)
+    if text and quantity in PER_FORCE:
+        return f", unit: {text}", ""
+    if find_other(text):
+        return f', unit: {si}, scale: "{BLANK}"', f"; recorded in {text}: {si} per {text}"
+    if quantity == "phase" and not text and (values := of.values[i]).size:
+        unit = "rad" if np.nanmax(np.abs(values)) <= ANGLE else "deg"
+        return f", unit: {unit}", "; by its size, the file has no unit"
+    return f', unit: "{BLANK}"', f"; recorded in {text}" if text else "; the file has no unit"
+
+
+def _time(of: Guesses) -> Iterator[str]:
+    """Yield the line about times, if one is needed."""
+    known = of.untimed or of.mapping.sample_rate_hz or any(c.rate_hz for c in of.channels)
+    if not of.times and not known:
+        yield f'sample_rate_hz: "{BLANK}"  # samples per second: the file has no times'
+    if of.mapping.sample_rate_hz is None and len(of.times) == 1:
+        unit = find_unit(of.unit_of_time(of.times[0]) or "")
+        stated = unit.name if unit and unit.dimension == "time" else f'"{BLANK}"'
+        yield f"time: {{channel: {_which(of, of.times[0])}, unit: {stated}}}"
+
+
+def _which(of: Guesses, i: int) -> str:
+    """Return a column as a mapping names it: by its name, or by its number where that is long or not its alone."""
+    name, alone = of.channels[i].name, of.keys.count(of.keys[i]) == 1
+    if not alone and of.stepped:  # one column for each level
+        name = of_level(name)
+    elif not alone or len(name) > _LONGEST:
+        return str(i + 1)
+    plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
+    return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
+
+
+def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None = None) -> str:
+    """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason.
+
+    stepped : whether it holds steady responses to a stepped sine; None to see it by its columns.
+
+    Raises RecordError where the mapping names channels already, or nothing in the file can be named.
+    """
+    if mapping.channels or mapping.table:
+        raise RecordError(f"{mapping.source} names the channels of {file.path} already")
+    guesses = Guesses(file, mapping, stepped=stepped)
+    if not (lines := [*draft(guesses)]):
+        raise unclear(guesses, "finds no column that may be a motion or a force.")
+    return "\n".join([*lines, ""])
