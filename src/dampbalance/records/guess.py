@@ -295,7 +295,8 @@ class Guesses:
     def _leave(found: dict[int, Guess], columns: Iterable[int], why: str) -> None:
         """Leave columns aside, unless they are already."""
         for i in columns:
-            if found[i].reason in _LEVELS or found[i].may:
+            known = found[i].quantity in ACCOMPANYING
+            if not known and (found[i].reason in _LEVELS or found[i].may):
                 found[i] = Guess("", why)
 
     def _look(self, found: dict[int, Guess]) -> None:
