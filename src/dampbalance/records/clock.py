@@ -39,6 +39,7 @@ _MOST, _WIDEST = (
 )  # part of the intervals that are usual, where they are no wider, in steps
 _LONG = 10  # steps, from which on the clock may have jumped instead
 _APART = 3  # rows at an end that a pause of this kind parts from the others
+_RUNS = 20  # in one file; times that go back more often are in no order
 _AGAIN = 0.1  # part of a run, to the first of which times go back where another one begins
 _LARGEST = 20  # samples for each row: a longer gap parts two records
 _MULTIPLE_TOLERANCE = 0.01  # resolutions: room for the rounding of its multiples to floats
@@ -106,48 +107,45 @@ def uneven(t: Array, jitter: float) -> str:
     step, off = float(np.median(steps)), np.abs(t - np.linspace(t[0], t[-1], t.size))
     if steps.min() > 0.0 and off.max() <= jitter * step:
         return ""
-    i = int(np.argmax(np.abs(steps - step)))
+    i = int(np.argmin(steps) if steps.min() <= 0.0 else np.argmax(np.abs(steps - step)))
     between = f"from sample {i} to {i + 1} ({t[i]:.12g} s, {t[i + 1]:.12g} s)"
     return f"is not in equal steps: {steps[i]:.6g} s {between}, others {step:.6g} s"
 
 
-def clock_of(
-    t: Array, signals: Sequence[Array], where: str, name: str, place: Callable[[int], str]
-) -> Clock:
+def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int], str]) -> Clock:
     """Return the clock of times, s, (n,), NaN for an empty cell.
 
-    signals : that share them.   where, name : of file and channel, for messages.   place : where a row, counted from 0,
-    stands in the file.
+    signals : that share them.   name : of the times, for messages.   place : where a row, counted from 0, stands in the
+    file.
 
     Raises RecordError with all that is wrong with the times: they go back, jump while the signals go on, have a gap
     without end, too few digits, or steps that no recorder has.
     """
-    finite = np.isfinite(t)
-    step = _usual_step(t[finite])
-    if step > 0.0 and not LOWEST_RATE <= 1.0 / step <= HIGHEST_RATE:
-        what = f"has steps of {step:g} s, which no recorder has; check its unit"
-        raise RecordError(f"{where} {what}, or give sample_rate_hz")
-    if finite.all() and not uneven(t, GRID_TOLERANCE):
-        return Clock.plain(t)
     copies = _copies(t, signals)
-    rows = np.flatnonzero(finite & ~copies)
+    rows = np.flatnonzero(np.isfinite(t) & ~copies)
+    step = _usual_step(t[rows])
+    if 0.0 <= step < 1.0 / HIGHEST_RATE or step > 1.0 / LOWEST_RATE or rows.size < 3:
+        what = f"{name} has steps of {step:g} s, which no recorder has; check its unit"
+        raise RecordError(f"{what}, or give sample_rate_hz")
+    if rows.size == t.size and not uneven(t, GRID_TOLERANCE):
+        return Clock.plain(t)
     ticks = any(_tick(one[rows]) > 0.0 for one in signals)
     joined = slice(None) if ticks else _joined(t[rows], step)
     alone, rows = np.delete(rows, joined), rows[joined]
     order = np.cumsum(~copies)[rows]
     order, t, signals = order - order[0], t[rows], [one[rows] for one in signals]
     left = {"rows twice": np.flatnonzero(copies), "rows apart": alone}
-    if fault := _backwards(t, rows, step, place):
-        raise RecordError(f"{where} {fault}")
+    _require_increase(t, rows, step, name, place)
     number, grid, found = _numbered(t, order, signals, step, name, ticks)
     steps = np.diff(number)
     longest = _GAP * min(max(float(np.quantile(steps, _MOST)), 1.0), _WIDEST)
     wide = np.flatnonzero((steps > longest) & (not ticks))
-    if fault := _jumps(t, number, signals, rows, place) if wide.size else "":
-        raise RecordError(f"{where} {fault}")
-    if number[-1] > _LARGEST * number.size:
-        gap = _steps(t, np.argmax(steps, keepdims=True), rows, place)
-        raise RecordError(f"{where} has a gap {gap}; use the part before or after it")
+    long = np.flatnonzero(steps > _LONG) if wide.size else wide
+    jumps = long.size and _likelier(signals, number, _closed(number), wide) < -_CLEAR
+    if jumps or number[-1] > _LARGEST * number.size:
+        what = "jumps, while the signals go on," if jumps else "has a gap too long"
+        remedy = "use the part before or after it"
+        raise RecordError(f"{name} {what} {_steps(t, long, rows, place)}; {remedy}")
     at = np.arange(grid.size)
     after = np.searchsorted(number, at).clip(1, number.size - 1)
     near = np.minimum(np.abs(at - number[after - 1]), np.abs(number[after] - at))
@@ -161,7 +159,7 @@ def clock_of(
     if np.all(gap | (near == 0.0)):
         return clock
     bound = max(_interpolation_error(clock, one) for one in signals)
-    own = np.delete(np.diff(t), wide)
+    own = np.diff(t)
     sizes = {"least": own.min(), "most": own.max(), "step": grid[1] - grid[0], "bound": bound}
     said = Finding("uneven steps", {"where": name, **sizes}, {"": bound})
     return replace(clock, findings=(*found, said))
@@ -179,7 +177,7 @@ def left_out(
 def _usual_step(t: Array) -> float:
     """Return the median of the mean steps of 100 rows, which few digits, few gaps and jitter leave alone."""
     m = min(100, max(1, t.size // 4))
-    return float(np.median(t[m:] - t[:-m])) / m
+    return float(np.median(t[m:] - t[:-m])) / m if t.size > 1 else 0.0
 
 
 def _tick(signal: Array) -> float:
@@ -208,10 +206,11 @@ def _copies(t: Array, signals: Sequence[Array]) -> Mask:
 
 def _joined(t: Array, step: float) -> slice:
     """Return the rows without a few at either end that a long pause, either way, parts from the others."""
-    long = np.flatnonzero(np.abs(np.diff(t)) > _LONG * step)
-    first, last = long[long < _APART], long[long >= t.size - 1 - _APART]
-    if t.size < 4 * _APART or not step > 0.0:
+    if t.size < 4 * _APART:
         return slice(None)
+    steps = np.abs(np.diff(t))
+    long = np.flatnonzero(steps > max(_LONG * abs(step), 2.0 * steps[_APART:-_APART].max()))
+    first, last = long[long < _APART], long[long >= t.size - 1 - _APART]
     return slice(int(first[-1]) + 1 if first.size else 0, int(last[0]) + 1 if last.size else None)
 
 
@@ -224,12 +223,14 @@ def _steps(t: Array, which: Integers, rows: Integers, place: Callable[[int], str
     return ", ".join(shown) + f", and {which.size - _SHOWN} times more" * (which.size > _SHOWN)
 
 
-def _backwards(t: Array, rows: Integers, step: float, place: Callable[[int], str]) -> str:
-    """Say where times go back or pause, and the remedy; "" where they do not go back."""
+def _require_increase(
+    t: Array, rows: Integers, step: float, name: str, place: Callable[[int], str]
+) -> None:
+    """Raise RecordError where times go back, with the places where they pause as well."""
     steps = np.diff(t)
     back, pauses = np.flatnonzero(steps < 0.0), np.flatnonzero(steps > _LONG * abs(step))
     if not back.size:
-        return "" if t[-1] > t[0] else "stands still; give sample_rate_hz instead"
+        return
     before = np.maximum.accumulate(t)[back]
     runs = back[t[back + 1] < t[0] + _AGAIN * (before - t[0])]
     faults = [f"goes back {_steps(t, back, rows, place)}"]
@@ -238,19 +239,9 @@ def _backwards(t: Array, rows: Integers, step: float, place: Callable[[int], str
     if runs.size:
         faults.append(f"a second run begins at {place(int(rows[runs[0] + 1]))}")
     first = f"{place(int(rows[0]))} to {place(int(rows[back[0]]))}"
-    return f"{': '.join(faults)}; give each run a file, the first from {first}"
-
-
-def _jumps(
-    t: Array, number: Array, signals: Sequence[Array], rows: Integers, place: Callable[[int], str]
-) -> str:
-    """Say where times jump while the signals go on, and the remedy; "" where they do not."""
-    steps = np.diff(number)
-    wide, long = (np.flatnonzero(steps > least) for least in (_GAP, _LONG))
-    if not long.size or _likelier(signals, number, _closed(number), wide) > -_CLEAR:
-        return ""
-    faults = _steps(t, long, rows, place)
-    return f"jumps {faults}, while the signals go on; use the part before or after it"
+    remedy = f"give each run a file, the first from {first}"
+    remedy = remedy if back.size <= _RUNS else "put its rows in the order of time"
+    raise RecordError(f"{name} {': '.join(faults)}; {remedy}")
 
 
 def _closed(number: Array) -> Array:
@@ -285,10 +276,15 @@ def _numbered(
         return counted, *placed
     if lined:
         return order.astype(np.float64), *lined
+    if steps.min() <= 0.0 and 1.5 * steps.max() > _MAX_RATE_ERROR * np.ptp(t):
+        raise RecordError(f"{name} has too few digits; give sample_rate_hz instead")
     t, off = _apart(t), np.abs(t - np.linspace(t[0], t[-1], t.size)).max()
     at = (t - t[0]) / step
     places = np.linspace(_AROUND, t.size - _AROUND, _PLACES).astype(np.intp)
-    if off < HALF_A_STEP * step and _likelier(signals, at, 1.0 * order, places) < -_CLEAR:
+    if (
+        off < HALF_A_STEP * step
+        and _likelier(signals, at, order.astype(np.float64), places) < -_CLEAR
+    ):
         return order.astype(np.float64), t, []
     at -= np.median(at - np.rint(at))
     at = np.where(np.abs(at - np.rint(at)) < 1e-6, np.rint(at), at)

@@ -222,7 +222,10 @@ def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
         else:
             name = f"time channel {file.channels[time].name!r}"
             t = _in_si(file, time, columns[time][:size], own[0].time_factor, errors.LATEST, "s")
-            clock = clock_of(t, [*signals.values()], f"{file.path}: {name}", name, file.place)
+            try:
+                clock = clock_of(t, [*signals.values()], name, file.place)
+            except RecordError as error:
+                raise RecordError(f"{file.path}: {error}") from None
             for odd in clock.findings:
                 warnings.warn(RecordWarning(file.path, odd), stacklevel=2)
         for pick in own:
