@@ -276,7 +276,7 @@ def _numbered(
         return counted, *placed
     if lined:
         return order.astype(np.float64), *lined
-    if steps.min() <= 0.0 and 1.5 * steps.max() > _MAX_RATE_ERROR * np.ptp(t):
+    if steps.min() <= 0.0 and 1.5 * np.median(steps[steps > 0.0]) > _MAX_RATE_ERROR * np.ptp(t):
         raise RecordError(f"{name} has too few digits; give sample_rate_hz instead")
     t, off = _apart(t), np.abs(t - np.linspace(t[0], t[-1], t.size)).max()
     at = (t - t[0]) / step

@@ -134,7 +134,8 @@ class Signal(NamedTuple):
 
 def table_of(path: Path, signals: Iterable[Signal]) -> Table:
     """Return the table of signals. An array of two dimensions is as many channels, y[1], y[2], …, along its longer
-    side."""
+    side; that of a single one have no heading."""
+    signals = [*signals]
     channels: list[RawChannel] = []
     parts: list[tuple[Any, Any]] = []
     for label, samples, stated, folder, stamps in signals:
@@ -143,6 +144,8 @@ def table_of(path: Path, signals: Iterable[Signal]) -> Table:
         for i in range(min(shape) if several else 1):
             name = f"{label}[{i + 1}]" if several else label
             raw = described(path, name, max(shape), stated, folder)
+            if several and len(signals) == 1:
+                raw = replace(raw, label="")
             channels.append(replace(raw, unit="s", stamps=True) if stamps else raw)
             wide = len(shape) == 2 and shape[0] < shape[1]
             parts.append((samples, (i,) if wide else (..., *[i] * (len(shape) - 1))))

@@ -42,7 +42,9 @@ FORMATS = {
     "uff": Format("a universal file", (".uff", ".unv", ".58"), uff_file),
     "tdms": Format("TDMS", (".tdms",), tdms_file, (b"TDSm", b"TDSh")),
     "wav": Format("WAV", (".wav", ".wave"), wav_file),
-    "lvm": Format("a text file of LabVIEW", (".lvm",), lvm_file, (_LVM, b"\xef\xbb\xbf" + _LVM)),
+    "lvm": Format(
+        *("a text file of LabVIEW", (".lvm",), lvm_file, (_LVM, b"\xef\xbb\xbf" + _LVM), ("text",))
+    ),
     "spreadsheet": Format(
         "a spreadsheet", _SHEETS, spreadsheet_file, (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
     ),
@@ -108,4 +110,4 @@ def checked_format(path: Path) -> Format:
         of = FORMATS[content]
         renamed = path.with_suffix(of.suffixes[0]).name
         raise RecordError(f"{wrong}, but {of.title}; rename it to {renamed}")
-    return kind if content == "text" else FORMATS[content]
+    return FORMATS["json" if named == "json" else content]

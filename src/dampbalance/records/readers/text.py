@@ -123,6 +123,8 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
         if delimiter == WHITESPACE:  # "x [mm]" is one name, where the number of cells allows
             ways = (re.split(way, text.strip()) for way in (r"\s{2,}|\t", r"\s+(?![\[(])"))
             cells = next((apart for apart in ways if len(apart) == width), cells)
+        while len(cells) > width and not cells[0]:
+            del cells[0]
         dropped = ("", "comment", "kommentar")
         while len(cells) > width and (len(cells) <= most or cells[-1].lower() in dropped):
             cells.pop()
@@ -262,7 +264,7 @@ def _seconds(cells: pd.Series[str]) -> Array:
 class _Layout:
     """Layout of a delimited text: delimiter, decimal mark, mark of comments, lines of the header.
 
-    opened : gives the text.   line : what its lines are called.
+    opened : gives the text.   line : what its lines are called.   left : empty cells before each row.
     """
 
     path: Path
@@ -272,6 +274,7 @@ class _Layout:
     decimal: str
     comment: str
     header_lines: int
+    left: int
     channels: Sequence[RawChannel]
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
@@ -279,7 +282,7 @@ class _Layout:
         with self.opened() as stream:
             for number, line in itertools.islice(enumerate(stream, 1), self.header_lines, None):
                 if cells := cells_of(line, self.delimiter, self.comment):
-                    yield number, cells
+                    yield number, cells[self.left :]
 
     def place(self, sample: int) -> str:
         """Return the line of a row, counted from 1."""
@@ -302,7 +305,7 @@ class _Layout:
             table = pd.read_csv(
                 stream,
                 header=None,
-                dtype={i: str if stamps[i] else np.float64 for i in wanted},
+                dtype={i + self.left: str if stamps[i] else np.float64 for i in wanted},
                 low_memory=False,
                 skiprows=self.header_lines,
                 nrows=most,
@@ -311,7 +314,8 @@ class _Layout:
                 skipinitialspace=True,
                 sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
             )
-        return [_seconds(table[i]) if stamps[i] else np.asarray(table[i]) for i in wanted]
+        columns = [(table[i + self.left], stamps[i]) for i in wanted]
+        return [_seconds(cells) if stamps else np.asarray(cells) for cells, stamps in columns]
 
     def _rows_before_text(self, wanted: Sequence[int], fallback: str) -> int:
         """Return the number of rows before the text at the end of a file, with a warning.
@@ -400,11 +404,14 @@ def text_table(
     (_, header, width, cells), delimiter, decimal = max(
         fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
     )
-    head = _header_table(lines[:header], delimiter, width, cells)
     rows = [*filter(None, tables[delimiter][header:])][:_ROWS_TO_AGREE]
-    channels = timed(columns_of(path, head, width), head, rows, decimal)
-    for i, cell in enumerate(rows[0][:width] if rows else []):
+    # a delimiter before each row makes no column, as one behind it
+    left = min(next(i for i, cell in enumerate(row) if cell) for row in rows if any(row))
+    head = _header_table(lines[:header], delimiter, width - left, cells - left)
+    rows = [row[left:width] for row in rows]
+    channels = timed(columns_of(path, head, width - left), head, rows, decimal)
+    for i, cell in enumerate(rows[0]):
         if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
             channels[i] = replace(channels[i], unit="s", stamps=True)
-    layout = _Layout(*(path, opened, line, delimiter, decimal, comment, header, channels))
+    layout = _Layout(*(path, opened, line, delimiter, decimal, comment, header, left, channels))
     return Table(path, channels, layout.load, layout.place)
