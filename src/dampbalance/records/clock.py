@@ -140,12 +140,12 @@ def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int
     steps = np.diff(number)
     longest = _GAP * min(max(float(np.quantile(steps, _MOST)), 1.0), _WIDEST)
     wide = np.flatnonzero((steps > longest) & (not ticks))
-    long = np.flatnonzero(steps > _LONG) if wide.size else wide
-    jumps = long.size and _likelier(signals, number, _closed(number), wide) < -_CLEAR
-    if jumps or number[-1] > _LARGEST * number.size:
-        what = "jumps, while the signals go on," if jumps else "has a gap too long"
-        remedy = "use the part before or after it"
-        raise RecordError(f"{name} {what} {_steps(t, long, rows, place)}; {remedy}")
+    long = wide[steps[wide] > _LONG]
+    jumps = np.array([i for i in long.tolist() if _goes_on(signals, number, i)], dtype=np.intp)
+    if jumps.size or number[-1] > _LARGEST * number.size:
+        what = "jumps, while the signals go on," if jumps.size else "has a gap too long"
+        where = _steps(t, jumps if jumps.size else long, rows, place)
+        raise RecordError(f"{name} {what} {where}; use the part before or after it")
     at = np.arange(grid.size)
     after = np.searchsorted(number, at).clip(1, number.size - 1)
     near = np.minimum(np.abs(at - number[after - 1]), np.abs(number[after] - at))
@@ -267,10 +267,9 @@ def _numbered(
     counted = None if ticks or not usual.size else _counted((t - t[0]) / step)
     lined = None if ticks else _on_a_line(t, order, name)
     if counted is not None and (gaps := np.flatnonzero(np.diff(counted) > 1)).size:
-        long = bool(np.diff(counted).max() > _LONG)
         # rounding seldom makes one step
-        least = _CLEAR if lined and gaps.size > 1 else -_CLEAR
-        if (lined or long) and _likelier(signals, counted, _closed(counted), gaps) < least:
+        least = _CLEAR if gaps.size > 1 else -_CLEAR
+        if lined and _likelier(signals, counted, _closed(counted), gaps) < least:
             counted = None
     if counted is not None and (placed := _on_a_line(t, counted, name)):
         return counted, *placed
@@ -301,24 +300,40 @@ def _counted(at: Array) -> Array | None:
 
 
 def _likelier(signals: Sequence[Array], one: Array, other: Array, places: Integers) -> float:
-    """Return by how much samples around some places are likelier with numbers of one kind than with those of another,
-    as a log-likelihood ratio: by what a parabola leaves of them."""
-    total = 0.0
-    for signal in signals:
-        for j in places[:_PLACES].tolist():
-            own = slice(max(0, j + 1 - _AROUND), j + 1 + _AROUND)
-            values = signal[own] - signal[j]
-            if values.size > _AROUND and np.abs(values).max() > 0.0:  # NaN is not
-                values, ways = (
-                    values / np.abs(values).max(),
-                    (one[own] - one[j], other[own] - other[j]),
-                )
-                by_one, by_other = (np.polyfit(at, values, 2, full=True)[1].sum() for at in ways)
-                total += 0.5 * values.size * math.log((by_other + _EXACT) / (by_one + _EXACT))
-    return total
+    """Return by how much samples around some rows are likelier with numbers of one kind than with those of another, as
+    a log-likelihood ratio."""
+    ratios = [
+        _rough(signal, other, i) - _rough(signal, one, i)
+        for signal in signals
+        for i in places[:_PLACES].tolist()
+    ]
+    return float(np.nansum(ratios))
 
 
-def _on_a_line(t: Array, number: Integers | Array, name: str) -> tuple[Array, list[Finding]] | None:
+def _rough(signal: Array, number: Array, i: int) -> float:
+    """Return minus the log-likelihood of the samples around row i, by what a parabola leaves of them; NaN for few."""
+    own = slice(max(0, i + 1 - _AROUND), i + 1 + _AROUND)
+    values = signal[own] - signal[min(i, signal.size - 1)]
+    if values.size <= _AROUND or not np.abs(values).max() > 0.0:  # NaN is not
+        return math.nan
+    left = np.polyfit(number[own] - number[own][0], values, 2, full=True)[1].sum()
+    return _AROUND * math.log(left + _EXACT * np.abs(values).max() ** 2)
+
+
+def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
+    """Return whether samples after a gap go on as smoothly as those before it and after it, if it is closed, and less
+    smoothly if it is not."""
+    closed = _closed(number)
+    break_in_them = [
+        _rough(one, closed, i)
+        - 0.5 * (_rough(one, closed, i - _AROUND) + _rough(one, closed, i + _AROUND))
+        for one in signals
+    ]
+    alone = np.array([i])
+    return np.nansum(break_in_them) < _CLEAR and _likelier(signals, number, closed, alone) < -_CLEAR
+
+
+def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]] | None:
     """Return the times of all whole numbers, s, where those of rows are in equal steps; None where they are not.
 
     Times that are rounded to too few digits, as stamps in ms of 20,000 samples a second are, are t_i = t_0 + i Δt by
@@ -327,27 +342,28 @@ def _on_a_line(t: Array, number: Integers | Array, name: str) -> tuple[Array, li
     3q/2T at the most, T being the length of the record; they rarely conspire like that, and a hundredth of it is
     common.
     """
-    t = np.interp(np.arange(int(number[-1]) + 1), number, t)
-    if not uneven(t, GRID_TOLERANCE):
-        return t, []
-    steps, i = np.diff(t), np.arange(t.size) - 0.5 * (t.size - 1)
-    q = next((q for n in range(13) if _are_multiples(steps, q := 10.0**-n)), np.inf)
-    step = float(i @ (t - t.mean())) / float(i @ i)
-    line = np.asarray(t.mean() + step * i)
-    if not step > 0.0 or np.ptp(t - line) > _LINE_TOLERANCE * q:
+    every = np.arange(int(number[-1]) + 1)
+    even = np.interp(every, number, t)
+    if not uneven(even, GRID_TOLERANCE):
+        return even, []
+    i, middle = number - number.mean(), float(t.mean())
+    step = float(i @ (t - middle)) / float(i @ i)
+    q = next((q for n in range(13) if _are_multiples(t - t[0], q := 10.0**-n)), np.inf)
+    if not step > 0.0 or np.ptp(t - step * i) > _LINE_TOLERANCE * q:
         return None
-    bound = 1.5 * q / (step * t.size)
+    bound = 1.5 * q / (step * every.size)
     if bound > _MAX_RATE_ERROR:
         return None
     of = {"where": name, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
+    line = np.asarray(middle + step * (every - number.mean()))
     return line, [Finding("rounded times", of, {"": bound})]
 
 
-def _are_multiples(steps: Array, q: float) -> bool:
-    """Return whether all steps are multiples of q, none but zero being lost."""
-    multiples = np.round(steps / q)
-    lost = (multiples == 0.0) & (steps > 0.0)
-    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _MULTIPLE_TOLERANCE)
+def _are_multiples(t: Array, q: float) -> bool:
+    """Return whether all times are multiples of q, none but equal ones being the same."""
+    multiples = np.round(t / q)
+    lost = (np.diff(multiples) == 0.0) & (np.diff(t) > 0.0)
+    return not lost.any() and bool(np.abs(t / q - multiples).max() < _MULTIPLE_TOLERANCE)
 
 
 def _apart(t: Array) -> Array:
