@@ -204,7 +204,7 @@ def test_rounded_times_give_the_rate_within_the_bound_that_is_told(tmp_path, rat
     [
         (lambda t: t[t < 0.1], "has too few digits"),  # too short: the rate would be off by 1.5 %
         (lambda t: np.where(t > 1.5, t + 0.02, t), "jumps"),
-        (lambda t: t + 0.004 * (np.arange(t.size) % 7 == 3), "goes back .* order of time"),
+        (lambda t: t + 0.004 * (np.arange(t.size) % 7 == 3), "goes back .* rows in order"),
     ],
 )
 def test_times_that_are_more_than_rounded_are_refused(tmp_path, spoil, message):

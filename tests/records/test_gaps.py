@@ -148,7 +148,7 @@ def test_stamps_of_a_millisecond_do_not_hide_a_row(digits):
     other = records[0] | {"time_s": np.round(np.arange(gap.size) / 999.7, 3)}
     (record,) = read_records(other)
     assert record["displacement"].missing is None
-    assert record.warnings[0].numbers["resolution"] == 0.001
+    assert record.warnings[0].numbers["resolution"] == pytest.approx(0.001)
 
 
 REFUSED = {

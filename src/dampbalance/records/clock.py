@@ -42,7 +42,6 @@ _APART = 3  # rows at an end that a pause of this kind parts from the others
 _RUNS = 20  # in one file; times that go back more often are in no order
 _AGAIN = 0.1  # part of a run, to the first of which times go back where another one begins
 _LARGEST = 20  # samples for each row: a longer gap parts two records
-_MULTIPLE_TOLERANCE = 0.01  # resolutions: room for the rounding of its multiples to floats
 _LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
 _MAX_RATE_ERROR = 1e-2  # a hundred times a common one; c has the same
 _AROUND = 8  # samples on either side of a place, which a parabola describes
@@ -123,20 +122,22 @@ def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int
     """
     copies = _copies(t, signals)
     rows = np.flatnonzero(np.isfinite(t) & ~copies)
-    step = _usual_step(t[rows])
-    if 0.0 <= step < 1.0 / HIGHEST_RATE or step > 1.0 / LOWEST_RATE or rows.size < 3:
+    step = _usual_step(t[rows]) if rows.size > 2 else 0.0
+    if 0.0 <= step < 1.0 / HIGHEST_RATE or step > 1.0 / LOWEST_RATE:
         what = f"{name} has steps of {step:g} s, which no recorder has; check its unit"
         raise RecordError(f"{what}, or give sample_rate_hz")
     if rows.size == t.size and not uneven(t, GRID_TOLERANCE):
         return Clock.plain(t)
     ticks = any(_tick(one[rows]) > 0.0 for one in signals)
     joined = slice(None) if ticks else _joined(t[rows], step)
-    alone, rows = np.delete(rows, joined), rows[joined]
-    order = np.cumsum(~copies)[rows]
-    order, t, signals = order - order[0], t[rows], [one[rows] for one in signals]
-    left = {"rows twice": np.flatnonzero(copies), "rows apart": alone}
+    found = left_out("rows twice", name, np.flatnonzero(copies), place)
+    found += left_out("rows apart", name, np.delete(rows, joined), place)
+    rows = rows[joined]
+    order = np.cumsum(~copies)[rows].astype(np.float64)
+    t, signals = t[rows], [one[rows] for one in signals]
     _require_increase(t, rows, step, name, place)
-    number, grid, found = _numbered(t, order, signals, step, name, ticks)
+    step = max(step, float(np.ptp(t)) / (_LARGEST * t.size)) if ticks else step
+    number, grid, odd = _numbered(t, order - order[0], signals, step, name, ticks)
     steps = np.diff(number)
     longest = _GAP * min(max(float(np.quantile(steps, _MOST)), 1.0), _WIDEST)
     wide = np.flatnonzero((steps > longest) & (not ticks))
@@ -150,41 +151,41 @@ def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int
     after = np.searchsorted(number, at).clip(1, number.size - 1)
     near = np.minimum(np.abs(at - number[after - 1]), np.abs(number[after] - at))
     gap = np.isin(after - 1, wide) & (near > HALF_A_STEP)
-    left["rows missing"] = rows[wide + 1]
-    for code, of in left.items():
-        if of.size:
-            count = int(gap.sum()) if code == "rows missing" else of.size
-            found.append(left_out(code, name, of, place, count))
+    found += odd + left_out("rows missing", name, rows[wide + 1], place, int(gap.sum()))
     clock = Clock(grid, rows, number, gap, tuple(found))
     if np.all(gap | (near == 0.0)):
         return clock
     bound = max(_interpolation_error(clock, one) for one in signals)
-    own = np.diff(t)
-    sizes = {"least": own.min(), "most": own.max(), "step": grid[1] - grid[0], "bound": bound}
+    apart = np.diff(t)
+    sizes = {"least": apart.min(), "most": apart.max(), "step": grid[1] - grid[0], "bound": bound}
     said = Finding("uneven steps", {"where": name, **sizes}, {"": bound})
     return replace(clock, findings=(*found, said))
 
 
 def left_out(
-    code: str, channel: str, rows: Integers, place: Callable[[int], str], count: int
-) -> Finding:
-    """Return the finding that `count` samples are left out of a channel, with the places of the first rows."""
+    code: str, channel: str, rows: Integers, place: Callable[[int], str], count: int = 0
+) -> list[Finding]:
+    """Return the finding that rows are left out of a channel, with the places of the first; none for no rows.
+
+    count : of the samples that this makes, where it is not that of the rows.
+    """
     places = [place(int(i)) for i in rows[:_SHOWN]] + ["…"] * (rows.size > _SHOWN)
+    count = count or rows.size
     of = {"channel": channel, "count": count, "many": count > 1, "places": ", ".join(places)}
-    return Finding(code, of)
+    return [Finding(code, of)] if rows.size else []
 
 
 def _usual_step(t: Array) -> float:
     """Return the median of the mean steps of 100 rows, which few digits, few gaps and jitter leave alone."""
     m = min(100, max(1, t.size // 4))
-    return float(np.median(t[m:] - t[:-m])) / m if t.size > 1 else 0.0
+    return float(np.median(t[m:] - t[:-m])) / m
 
 
 def _tick(signal: Array) -> float:
     """Return the step of a signal that has a row for each tick of an encoder; 0 for any other signal."""
     steps = np.abs(np.diff(signal))
     tick = float(np.median(steps)) if steps.size and not np.isnan(steps).any() else 0.0
-    alike = np.abs(steps - tick) < _MULTIPLE_TOLERANCE * tick
+    alike = np.abs(steps - tick) < 0.01 * tick
     return tick if steps.min(initial=tick) > 0.0 and alike.mean() > _TICKS else 0.0
 
 
@@ -231,17 +232,16 @@ def _require_increase(
     back, pauses = np.flatnonzero(steps < 0.0), np.flatnonzero(steps > _LONG * abs(step))
     if not back.size:
         return
-    before = np.maximum.accumulate(t)[back]
-    runs = back[t[back + 1] < t[0] + _AGAIN * (before - t[0])]
-    faults = [f"goes back {_steps(t, back, rows, place)}"]
-    if pauses.size:
-        faults.append(f"pauses {_steps(t, pauses, rows, place)}")
-    if runs.size:
-        faults.append(f"a second run begins at {place(int(rows[runs[0] + 1]))}")
-    first = f"{place(int(rows[0]))} to {place(int(rows[back[0]]))}"
-    remedy = f"give each run a file, the first from {first}"
-    remedy = remedy if back.size <= _RUNS else "put its rows in the order of time"
-    raise RecordError(f"{name} {': '.join(faults)}; {remedy}")
+    runs = back[t[back + 1] < t[0] + _AGAIN * (t[back] - t[0])]
+    fault = f"{name} goes back {_steps(t, back, rows, place)}"
+    fault += f" and pauses {_steps(t, pauses, rows, place)}" if pauses.size else ""
+    if back.size > _RUNS or not runs.size:
+        raise RecordError(f"{fault}; use the part before or after it, or put its rows in order")
+    first, last, again = (place(int(rows[i])) for i in (0, runs[0], runs[0] + 1))
+    remedy = (
+        f"a second run begins at {again}; give each run a file, the first from {first} to {last}"
+    )
+    raise RecordError(f"{fault}: {remedy}")
 
 
 def _closed(number: Array) -> Array:
@@ -251,7 +251,7 @@ def _closed(number: Array) -> Array:
 
 
 def _numbered(
-    t: Array, order: Integers, signals: Sequence[Array], step: float, name: str, ticks: bool
+    t: Array, order: Array, signals: Sequence[Array], step: float, name: str, ticks: bool
 ) -> tuple[Array, Array, list[Finding]]:
     """Return the numbers of rows, times in equal steps from the first whole number on, and what is odd about them.
 
@@ -274,17 +274,15 @@ def _numbered(
     if counted is not None and (placed := _on_a_line(t, counted, name)):
         return counted, *placed
     if lined:
-        return order.astype(np.float64), *lined
+        return order, *lined
     if steps.min() <= 0.0 and 1.5 * np.median(steps[steps > 0.0]) > _MAX_RATE_ERROR * np.ptp(t):
         raise RecordError(f"{name} has too few digits; give sample_rate_hz instead")
     t, off = _apart(t), np.abs(t - np.linspace(t[0], t[-1], t.size)).max()
     at = (t - t[0]) / step
     places = np.linspace(_AROUND, t.size - _AROUND, _PLACES).astype(np.intp)
-    if (
-        off < HALF_A_STEP * step
-        and _likelier(signals, at, order.astype(np.float64), places) < -_CLEAR
-    ):
-        return order.astype(np.float64), t, []
+    near = off < HALF_A_STEP * step
+    if near and _likelier(signals, at, order, places) < -_CLEAR:
+        return order, np.interp(np.arange(int(order[-1]) + 1), order, t), []
     at -= np.median(at - np.rint(at))
     at = np.where(np.abs(at - np.rint(at)) < 1e-6, np.rint(at), at)
     first = math.ceil(at[0])
@@ -337,8 +335,8 @@ def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]
     """Return the times of all whole numbers, s, where those of rows are in equal steps; None where they are not.
 
     Times that are rounded to too few digits, as stamps in ms of 20,000 samples a second are, are t_i = t_0 + i Δt by
-    least squares, with a finding that bounds the relative error of Δt. They are if all are multiples of a decimal
-    resolution q apart and none is further than that from the line. Rounding errors of up to q/2 put the slope off by
+    least squares, with a finding that bounds the relative error of Δt. They are if none is further from the line than
+    the resolution q, by which the two shortest kinds of steps differ. Rounding errors of up to q/2 put the slope off by
     3q/2T at the most, T being the length of the record; they rarely conspire like that, and a hundredth of it is
     common.
     """
@@ -348,22 +346,15 @@ def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]
         return even, []
     i, middle = number - number.mean(), float(t.mean())
     step = float(i @ (t - middle)) / float(i @ i)
-    q = next((q for n in range(13) if _are_multiples(t - t[0], q := 10.0**-n)), np.inf)
-    if not step > 0.0 or np.ptp(t - step * i) > _LINE_TOLERANCE * q:
-        return None
+    steps = np.sort(np.diff(t))
+    longer = steps[steps > steps[0] + 0.01 * step]
+    q = float(longer[0] - steps[0]) if longer.size else 0.0
     bound = 1.5 * q / (step * every.size)
-    if bound > _MAX_RATE_ERROR:
+    if np.ptp(t - step * i) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
         return None
     of = {"where": name, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
     line = np.asarray(middle + step * (every - number.mean()))
     return line, [Finding("rounded times", of, {"": bound})]
-
-
-def _are_multiples(t: Array, q: float) -> bool:
-    """Return whether all times are multiples of q, none but equal ones being the same."""
-    multiples = np.round(t / q)
-    lost = (np.diff(multiples) == 0.0) & (np.diff(t) > 0.0)
-    return not lost.any() and bool(np.abs(t / q - multiples).max() < _MULTIPLE_TOLERANCE)
 
 
 def _apart(t: Array) -> Array:
@@ -391,6 +382,8 @@ def _interpolation_error(clock: Clock, signal: Array) -> float:
     A gain of that size is the worst that it means for the numbers; errors that differ from sample to sample are noise,
     which the fit sees.
     """
+    from scipy.ndimage import maximum_filter1d  # slow to import
+
     samples, _ = clock.onto(signal)
     samples = samples - samples.mean()
     if not samples.any():
@@ -400,8 +393,7 @@ def _interpolation_error(clock: Clock, signal: Array) -> float:
     power = np.abs(np.fft.rfft(samples * np.hanning(samples.size))) ** 2
     omega = 2.0 * math.pi * np.fft.rfftfreq(samples.size)
     steps = np.minimum(np.diff(clock.number), _GAP * _WIDEST)
-    around = np.pad(steps, 2, mode="edge")
-    h = np.max([around[i : i + steps.size] for i in range(5)], axis=0)
+    h = maximum_filter1d(steps, 5)
     lengths, of = np.unique(np.ceil(20.0 * h) / 20.0, return_inverse=True)
     parts = np.bincount(of, steps) / steps.sum()
     errors = sum(

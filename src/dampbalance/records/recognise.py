@@ -240,8 +240,7 @@ def _checked(file: Table, pick: Pick, values: Array, clock: Clock) -> Channel:
     unit, this = pick.coordinate.unit(QUANTITIES[pick.quantity]), f"channel {pick.name!r}"
     signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
     empty, present = (np.flatnonzero(np.isnan(values) == lacks) for lacks in (True, False))
-    if empty.size:
-        odd = left_out("no numbers", this, empty, file.place, empty.size)
+    for odd in left_out("no numbers", this, empty, file.place):
         warnings.warn(RecordWarning(file.path, odd), stacklevel=2)
     _require_no_overflow(file, pick, values, present)
     if pick.quantity in RESPONSES:  # a base may be at rest, a dead weight presses evenly
