@@ -44,7 +44,7 @@ _AGAIN = 0.1  # part of a run, to the first of which times go back where another
 _LARGEST = 20  # samples for each row: a longer gap parts two records
 _LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
 _MAX_RATE_ERROR = 1e-2  # a hundred times a common one; c has the same
-_AROUND = 8  # samples on either side of a place, which a parabola describes
+_AROUND = 8  # samples on either side of a place, which a polynomial describes
 _PLACES = 100  # where signals are compared with their times
 _CLEAR = 5.0  # log-likelihood ratio of a decision
 _EXACT = 1e-20  # sum of squares relative to that of the signal: less is rounding
@@ -308,27 +308,24 @@ def _likelier(signals: Sequence[Array], one: Array, other: Array, places: Intege
     return float(np.nansum(ratios))
 
 
-def _rough(signal: Array, number: Array, i: int) -> float:
-    """Return minus the log-likelihood of the samples around row i, by what a parabola leaves of them; NaN for few."""
+def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
+    """Return minus the log-likelihood of the samples around row i, by what a polynomial leaves of them; NaN for few."""
     own = slice(max(0, i + 1 - _AROUND), i + 1 + _AROUND)
     values = signal[own] - signal[min(i, signal.size - 1)]
     if values.size <= _AROUND or not np.abs(values).max() > 0.0:  # NaN is not
         return math.nan
-    left = np.polyfit(number[own] - number[own][0], values, 2, full=True)[1].sum()
+    left = np.polyfit(number[own] - number[own].mean(), values, degree, full=True)[1].sum()
     return _AROUND * math.log(left + _EXACT * np.abs(values).max() ** 2)
 
 
 def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
-    """Return whether samples after a gap go on as smoothly as those before it and after it, if it is closed, and less
-    smoothly if it is not."""
-    closed = _closed(number)
-    break_in_them = [
-        _rough(one, closed, i)
-        - 0.5 * (_rough(one, closed, i - _AROUND) + _rough(one, closed, i + _AROUND))
-        for one in signals
-    ]
-    alone = np.array([i])
-    return np.nansum(break_in_them) < _CLEAR and _likelier(signals, number, closed, alone) < -_CLEAR
+    """Return whether signals that move go on after a gap as smoothly as before it and after it, if it is closed."""
+    closed, moves, breaks = _closed(number), 0.0, 0.0
+    for one in signals:
+        own, before, after = (_rough(one, closed, j, 4) for j in (i, i - _AROUND, i + _AROUND))
+        moves = np.nansum([moves, _rough(one, closed, i, 0) - own])
+        breaks = np.nansum([breaks, own - 0.5 * (before + after)])
+    return bool(moves > _CLEAR and breaks < _CLEAR)
 
 
 def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]] | None:
@@ -348,9 +345,10 @@ def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]
     step = float(i @ (t - middle)) / float(i @ i)
     steps = np.sort(np.diff(t))
     longer = steps[steps > steps[0] + 0.01 * step]
-    q = float(longer[0] - steps[0]) if longer.size else 0.0
+    q = 10.0 ** round(math.log10(longer[0] - steps[0])) if longer.size else 0.0
     bound = 1.5 * q / (step * every.size)
-    if np.ptp(t - step * i) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
+    multiples = np.abs((steps - steps[0]) / q - np.rint((steps - steps[0]) / q)).max() if q else 1.0
+    if multiples > 0.01 or np.ptp(t - step * i) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
         return None
     of = {"where": name, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
     line = np.asarray(middle + step * (every - number.mean()))
