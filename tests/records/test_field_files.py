@@ -374,7 +374,7 @@ def test_json_of_rows_without_names_and_of_points_in_time(tmp_path):
         ("3.0", "neither columns nor rows"),
         ('{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, "a", 2], "x_mm": [1, 2, 0, 1]}', "holds texts"),
         ('{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, null, 2], "x_mm": [1, 2, 0, 1]}', r"\(NaN\)"),
-        ('{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, 2], "x_mm": [1, 2, 0, 1]}', "has 3 samples"),
+        ('{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, 2], "x_mm": [1, 2, 0, 1]}', "'y' has 3, "),
         ("{}", "finds no response"),
         ("[]", "finds no response"),
         ("[1e400, 2]", "finds no response"),

@@ -148,14 +148,13 @@ def test_stamps_of_a_millisecond_do_not_hide_a_row(digits):
     other = records[0] | {"time_s": np.round(np.arange(gap.size) / 999.7, 3)}
     (record,) = read_records(other)
     assert record["displacement"].missing is None
-    assert record.warnings[0].numbers["resolution"] == 0.001
+    assert record.warnings[0].numbers["resolution"] == pytest.approx(0.001)
 
 
 REFUSED = {
-    "a long gap": (rows(lambda v: np.delete(v, np.arange(300, 550))), "has a gap of .* use the part before"),
-    "a clock that jumps by 0.1 s": (lambda t: t + 0.1 * (t > 2.0), "has a gap of 0.101 s"),
-    "a clock that jumps by 9 s": (lambda t: t + 9.0 * (t > 2.0), "has a gap of 9.001 s"),
-    "a clock that is set back": (lambda t: t - 0.1 * (t > 2.0), "does not increase"),
+    "a clock that jumps by 0.1 s": (lambda t: t + 0.1 * (t > 2.0), "jumps.* 2.101 s at sample 2002"),
+    "a clock that jumps by 9 s": (lambda t: t + 9.0 * (t > 2.0), "jumps.* 11.001 s"),
+    "a clock that is set back": (lambda t: t - 0.1 * (t > 2.0), "goes back from 2 s to 1.901 s at sample 2002"),
     "one in 25 is NaN": (lacking(np.arange(9, 5000, 25)), "sample 10: .*and so are 198 more"),
     "one in every cycle is NaN": (lacking(np.arange(9, 5000, 100)), "only 0 usable .*: 20 of its cycles left out"),
 }  # fmt: skip

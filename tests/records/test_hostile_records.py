@@ -155,7 +155,7 @@ COLUMNS = {
     "infinite": ({"y": np.where(Y > 0, Y, -np.inf)}, "is infinite"),
     "late": ({"t": T + 1e17}, r"beyond 1e\+12 s"),
     "fast": ({"t": 1e-300 * T}, "which no recorder has"),
-    "backwards": ({"t": T[::-1]}, "does not increase"),
+    "backwards": ({"t": T[::-1]}, "goes back .* rows in order"),
     "of 8 bits": ({"x": (6e4 * X).astype("i8").astype("i1") * 1.0}, "an integer of 8 bits ran over"),
     "of 16 bits": ({"x": (3e7 * X).astype("i8").astype("i2") * 1.0}, "an integer of 16 bits ran over"),
 }  # fmt: skip

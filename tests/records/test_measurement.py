@@ -38,7 +38,10 @@ def test_a_channel_is_read_only_and_leaves_the_array_it_came_from_alone():
         ({"t": T[:1], "values": T[:1]}, "1 samples"),
         ({"values": np.array([0, 1, np.nan, 3, 4.0])}, "value 2 .* is nan"),
         ({"t": np.array([0, 1, np.inf, 3, 4.0]), "values": T}, "time 2 .* is inf"),
-        ({"t": np.array([0, 1, 1, 3, 4.0]), "values": T}, "does not increase from sample 1 to 2"),
+        (
+            {"t": np.array([0, 1, 1, 3, 4.0]), "values": T},
+            "is not in equal steps: 0 s from sample 1 to 2",
+        ),
     ],
 )
 def test_a_channel_that_is_no_signal_is_refused_by_name(arguments, message):

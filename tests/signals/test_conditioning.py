@@ -145,8 +145,11 @@ def test_jitter_of_the_times_is_reported_and_equal_steps_are_taken(jitter, told)
 @pytest.mark.parametrize(
     ("change", "refusal"),
     [
-        (lambda t: np.where(t > 1.0, t + 5e-4, t), "has a gap of 0.001 s after 1 s"),
-        (lambda t: np.where(t == t[7], t[6], t), "does not increase from sample 6 to 7"),
+        (
+            lambda t: np.where(t > 1.0, t + 5e-4, t),
+            "is not in equal steps: 0.001 s from sample 2000",
+        ),
+        (lambda t: np.where(t == t[7], t[6], t), "is not in equal steps: 0 s from sample 6 to 7"),
         (lambda t: t + 1e-3 * t**2, "is not in equal steps"),
     ],
 )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats, one_of, text
 from ..arrays import Array, Complexes, Mask
-from .clock import uneven
+from .clock import HALF_A_STEP, uneven
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import LARGEST_VALUE, LATEST, RecordError
 
@@ -38,7 +38,6 @@ ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPO
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """Order of the time derivative of each motion: 0 for a displacement, 2 for an acceleration."""
 
-_JITTER = 0.5  # steps: from here on a sample is in another one's place
 _LET_THROUGH = 0.2  # by a filter: below, its inverse shows noise; steeply, so that the band of the motion is exact
 
 
@@ -161,9 +160,8 @@ class Channel:
                 beyond = f", beyond {bound:g}" if np.isfinite(array[i]) else ""
                 what = f"{what} {i} (counted from 0) is {array[i]}{beyond}"
                 raise ValueError(f"{this}: {what}; cut the record before it, or repair it")
-        problem, remedy = uneven(self.t, _JITTER)
-        if problem:
-            raise ValueError(f"{this}: its time {problem}; {remedy}")
+        if problem := uneven(self.t, HALF_A_STEP):
+            raise ValueError(f"{this}: its time {problem}")
 
     def __len__(self) -> int:
         return self.values.size

@@ -1,41 +1,401 @@
-"""Sampling times: whether they are in about equal steps."""
+"""The clock of a record: from the times that a logger wrote to samples in equal steps.
+
+A row of a table has a number, its place in equal steps from the first sample on, and that is all that differs between
+the clocks that files have:
+
+- equal steps, or stamps with too few digits: rows are numbered in their order. Digits that are lost are given back by
+  the straight line through the times;
+- rows that a logger lost, or a lower rate for a while: numbers are whole, and some are missing;
+- jitter, a clock that drifts, two rates, a row for each tick of an encoder: numbers are not whole, and samples at whole
+  ones are interpolated.
+
+What the times allow, the signals decide, as they go on smoothly where their times are right. No sample is invented: one
+in a gap is missing.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers, Mask
+from ..findings.finding import Finding
+from .errors import HIGHEST_RATE, LOWEST_RATE, RecordError
 
 GRID_TOLERANCE = 0.05
 """Part of a step by which a time stamp may be off the uniform grid: room for times written with few digits, while a
 missing or doubled sample (one whole step) is still found."""
 
-_GAP = 1.5  # steps: from here on a sample is missing
+HALF_A_STEP = 0.5
+"""Part of a step from which on a sample is in another one's place."""
+
+_GAP = 1.5  # usual intervals, from which on samples are missing
+_MOST, _WIDEST = (
+    0.95,
+    2.0,
+)  # part of the intervals that are usual, where they are no wider, in steps
+_LONG = 10  # steps, from which on the clock may have jumped instead
+_APART = 3  # rows at an end that a pause of this kind parts from the others
+_RUNS = 20  # in one file; times that go back more often are in no order
+_AGAIN = 0.1  # part of a run, to the first of which times go back where another one begins
+_LARGEST = 20  # samples for each row: a longer gap parts two records
+_LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
+_MAX_RATE_ERROR = 1e-2  # a hundred times a common one; c has the same
+_AROUND = 8  # samples on either side of a place, which a polynomial describes
+_PLACES = 100  # where signals are compared with their times
+_CLEAR = 5.0  # log-likelihood ratio of a decision
+_EXACT = 1e-20  # sum of squares relative to that of the signal: less is rounding
+_TICKS = 0.9  # part of the steps of an encoder that are one tick
+_SPLINE = 5.0 / 384.0  # of the error of a cubic spline
+_SHOWN = 3  # places that a message lists
 
 
-def uneven(t: Array, jitter: float) -> tuple[str, str]:
-    """Say why times, s, (n,), are not in about equal steps, and how to remedy that; "", "" where they are.
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """Samples in equal steps of what the rows of a table hold.
 
-    jitter : by how much of a step a time may be off.
+    t : s, (n,).   rows : that count, (r,).   number : of each in steps from t_0 on, (r,).   gap : samples that lie in
+    gaps, (n,).   findings : what is odd about the times.
+    """
+
+    t: Array
+    rows: Integers
+    number: Array
+    gap: Mask
+    findings: tuple[Finding, ...] = ()
+
+    @classmethod
+    def plain(cls, t: Array) -> Clock:
+        """Return the clock of rows that are in equal steps as they stand."""
+        rows = np.arange(t.size)
+        return cls(t, rows, rows.astype(np.float64), np.zeros(t.size, dtype=np.bool_))
+
+    def onto(self, signal: Array) -> tuple[Array, Mask | None]:
+        """Return the samples of a signal, and the mask of those that are missing, None for none. These have values,
+        too, which pictures and spectra need.
+
+        A row at a sample gives it; between rows is a cubic spline. The signal of an encoder, with a row for each tick,
+        is half a tick behind at each row, and less than half a tick off the last row between two: both are used.
+        """
+        from scipy.interpolate import CubicSpline  # slow to import
+
+        number, values, at = self.number, signal[self.rows], np.arange(self.t.size)
+        after = np.searchsorted(number, at).clip(1, number.size - 1)
+        nearest = after - (at - number[after - 1] < number[after] - at)
+        missing = self.gap | np.isnan(values[nearest])
+        present = ~np.isnan(values)
+        number, values = number[present], values[present]
+        whole = number == np.rint(number)
+        if (tick := _tick(values)) and not whole.all():
+            way = np.sign(np.diff(values, prepend=2.0 * values[0] - values[1]))
+            counted = values[np.searchsorted(number, at, side="right") - 1]
+            samples = CubicSpline(number, values - 0.5 * tick * way)(at)
+            return samples.clip(counted - 0.5 * tick, counted + 0.5 * tick), None
+        samples = CubicSpline(number, values)(at.clip(number[0], number[-1]))
+        samples[number[whole].astype(np.intp)] = values[whole]
+        return samples, missing if missing.any() else None
+
+
+def uneven(t: Array, jitter: float) -> str:
+    """Say where times, s, (n,), are not in equal steps; "" where they are.   jitter : by how much of a step a time may
+    be off."""
+    steps = np.diff(t)
+    step, off = float(np.median(steps)), np.abs(t - np.linspace(t[0], t[-1], t.size))
+    if steps.min() > 0.0 and off.max() <= jitter * step:
+        return ""
+    i = int(np.argmin(steps) if steps.min() <= 0.0 else np.argmax(np.abs(steps - step)))
+    between = f"from sample {i} to {i + 1} ({t[i]:.12g} s, {t[i + 1]:.12g} s)"
+    return f"is not in equal steps: {steps[i]:.6g} s {between}, others {step:.6g} s"
+
+
+def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int], str]) -> Clock:
+    """Return the clock of times, s, (n,), NaN for an empty cell.
+
+    signals : that share them.   name : of the times, for messages.   place : where a row, counted from 0, stands in the
+    file.
+
+    Raises RecordError with all that is wrong with the times: they go back, jump while the signals go on, have a gap
+    without end, too few digits, or steps that no recorder has.
+    """
+    copies = _copies(t, signals)
+    rows = np.flatnonzero(np.isfinite(t) & ~copies)
+    step = _usual_step(t[rows]) if rows.size > 2 else 0.0
+    if 0.0 <= step < 1.0 / HIGHEST_RATE or step > 1.0 / LOWEST_RATE:
+        what = f"{name} has steps of {step:g} s, which no recorder has; check its unit"
+        raise RecordError(f"{what}, or give sample_rate_hz")
+    if rows.size == t.size and not uneven(t, GRID_TOLERANCE):
+        return Clock.plain(t)
+    ticks = any(_tick(one[rows]) > 0.0 for one in signals)
+    joined = slice(None) if ticks else _joined(t[rows], step)
+    found = left_out("rows twice", name, np.flatnonzero(copies), place)
+    found += left_out("rows apart", name, np.delete(rows, joined), place)
+    rows = rows[joined]
+    order = np.cumsum(~copies)[rows].astype(np.float64)
+    t, signals = t[rows], [one[rows] for one in signals]
+    _require_increase(t, rows, step, name, place)
+    step = max(step, float(np.ptp(t)) / (_LARGEST * t.size)) if ticks else step
+    number, grid, odd = _numbered(t, order - order[0], signals, step, name, ticks)
+    steps = np.diff(number)
+    longest = _GAP * min(max(float(np.quantile(steps, _MOST)), 1.0), _WIDEST)
+    wide = np.flatnonzero((steps > longest) & (not ticks))
+    long = wide[steps[wide] > _LONG]
+    jumps = np.array([i for i in long.tolist() if _goes_on(signals, number, i)], dtype=np.intp)
+    if jumps.size or number[-1] > _LARGEST * number.size:
+        what = "jumps, while the signals go on," if jumps.size else "has a gap too long"
+        where = _steps(t, jumps if jumps.size else long, rows, place)
+        raise RecordError(f"{name} {what} {where}; use the part before or after it")
+    at = np.arange(grid.size)
+    after = np.searchsorted(number, at).clip(1, number.size - 1)
+    near = np.minimum(np.abs(at - number[after - 1]), np.abs(number[after] - at))
+    gap = np.isin(after - 1, wide) & (near > HALF_A_STEP)
+    found += odd + left_out("rows missing", name, rows[wide + 1], place, int(gap.sum()))
+    clock = Clock(grid, rows, number, gap, tuple(found))
+    if np.all(gap | (near == 0.0)):
+        return clock
+    bound = max(_interpolation_error(clock, one) for one in signals)
+    apart = np.diff(t)
+    sizes = {"least": apart.min(), "most": apart.max(), "step": grid[1] - grid[0], "bound": bound}
+    said = Finding("uneven steps", {"where": name, **sizes}, {"": bound})
+    return replace(clock, findings=(*found, said))
+
+
+def left_out(
+    code: str, channel: str, rows: Integers, place: Callable[[int], str], count: int = 0
+) -> list[Finding]:
+    """Return the finding that rows are left out of a channel, with the places of the first; none for no rows.
+
+    count : of the samples that this makes, where it is not that of the rows.
+    """
+    places = [place(int(i)) for i in rows[:_SHOWN]] + ["…"] * (rows.size > _SHOWN)
+    count = count or rows.size
+    of = {"channel": channel, "count": count, "many": count > 1, "places": ", ".join(places)}
+    return [Finding(code, of)] if rows.size else []
+
+
+def _usual_step(t: Array) -> float:
+    """Return the median of the mean steps of 100 rows, which few digits, few gaps and jitter leave alone."""
+    m = min(100, max(1, t.size // 4))
+    return float(np.median(t[m:] - t[:-m])) / m
+
+
+def _tick(signal: Array) -> float:
+    """Return the step of a signal that has a row for each tick of an encoder; 0 for any other signal."""
+    steps = np.abs(np.diff(signal))
+    tick = float(np.median(steps)) if steps.size and not np.isnan(steps).any() else 0.0
+    alike = np.abs(steps - tick) < 0.01 * tick
+    return tick if steps.min(initial=tick) > 0.0 and alike.mean() > _TICKS else 0.0
+
+
+def _copies(t: Array, signals: Sequence[Array]) -> Mask:
+    """Return which rows are there twice: with the time and the values of the row before, if these are all whose time
+    does not move on, or a last group of them that is longer than any other of equal times."""
+    kept = np.flatnonzero(np.isfinite(t))
+    stops = np.diff(t[kept], prepend=np.nan) == 0.0
+    again = stops & np.all([one[kept] == np.roll(one[kept], 1) for one in signals], axis=0)
+    if not np.array_equal(again, stops):
+        starts = np.flatnonzero(~stops)
+        *others, last = np.diff(np.append(starts, kept.size))
+        again[: starts[-1]] = False
+        again &= last > 2 * max(others, default=1) and bool(again[starts[-1] + 1 :].all())
+    copies = np.zeros(t.size, dtype=np.bool_)
+    copies[kept[again]] = True
+    return copies
+
+
+def _joined(t: Array, step: float) -> slice:
+    """Return the rows without a few at either end that a long pause, either way, parts from the others."""
+    if t.size < 4 * _APART:
+        return slice(None)
+    steps = np.abs(np.diff(t))
+    long = np.flatnonzero(steps > max(_LONG * abs(step), 2.0 * steps[_APART:-_APART].max()))
+    first, last = long[long < _APART], long[long >= t.size - 1 - _APART]
+    return slice(int(first[-1]) + 1 if first.size else 0, int(last[0]) + 1 if last.size else None)
+
+
+def _steps(t: Array, which: Integers, rows: Integers, place: Callable[[int], str]) -> str:
+    """Return the first of some steps of the time, with their places."""
+    shown = [
+        f"from {t[i]:.9g} s to {t[i + 1]:.9g} s at {place(int(rows[i + 1]))}"
+        for i in which[:_SHOWN].tolist()
+    ]
+    return ", ".join(shown) + f", and {which.size - _SHOWN} times more" * (which.size > _SHOWN)
+
+
+def _require_increase(
+    t: Array, rows: Integers, step: float, name: str, place: Callable[[int], str]
+) -> None:
+    """Raise RecordError where times go back, with the places where they pause as well."""
+    steps = np.diff(t)
+    back, pauses = np.flatnonzero(steps < 0.0), np.flatnonzero(steps > _LONG * abs(step))
+    if not back.size:
+        return
+    runs = back[t[back + 1] < t[0] + _AGAIN * (t[back] - t[0])]
+    fault = f"{name} goes back {_steps(t, back, rows, place)}"
+    fault += f" and pauses {_steps(t, pauses, rows, place)}" if pauses.size else ""
+    if back.size > _RUNS or not runs.size:
+        raise RecordError(f"{fault}; use the part before or after it, or put its rows in order")
+    first, last, again = (place(int(rows[i])) for i in (0, runs[0], runs[0] + 1))
+    remedy = (
+        f"a second run begins at {again}; give each run a file, the first from {first} to {last}"
+    )
+    raise RecordError(f"{fault}: {remedy}")
+
+
+def _closed(number: Array) -> Array:
+    """Return the numbers of rows with all gaps closed to a step."""
+    steps = np.diff(number)
+    return np.append(0.0, np.cumsum(np.where(steps > _GAP, 1.0, steps)))
+
+
+def _numbered(
+    t: Array, order: Array, signals: Sequence[Array], step: float, name: str, ticks: bool
+) -> tuple[Array, Array, list[Finding]]:
+    """Return the numbers of rows, times in equal steps from the first whole number on, and what is odd about them.
+
+    Whole numbers of steps, with some missing, the mere order of rows with too few digits, or numbers as the times have
+    them. A row that is missing, and a clock that jumps or is rounded, may have the same times: there the signals say
+    which it is.
+
+    t : increases, s.   order : of the rows.   step : usual one, s.   ticks : whether each row is a tick of an encoder.
     """
     steps = np.diff(t)
-    step, least, most = float(np.median(steps)), int(np.argmin(steps)), int(np.argmax(steps))
-    off = np.abs(t - np.linspace(t[0], t[-1], t.size))
-    worst = int(np.argmax(off))
-    if steps[least] <= 0.0:
-        times = f"({t[least]:.12g} s, {t[least + 1]:.12g} s)"
-        remedy = "give sample_rate_hz instead if it has too few digits"
-        return f"does not increase from sample {least} to {least + 1} {times}", remedy
-    if steps[most] > _GAP * step:
-        place = f"after {t[most]:.12g} s (sample {most})"
-        gap = f"has a gap of {steps[most]:g} s {place}, its step is {step:g} s"
-        return gap, "use the part before or after it"
-    if off[worst] > jitter * step:
-        place = (
-            f"{t[worst]:.12g} s (sample {worst}) is {off[worst]:.2g} s off the grid of {step:g} s"
-        )
-        remedy = (
-            "resample the record, or give sample_rate_hz instead if only the digits are too few"
-        )
-        return f"is not in equal steps: {place}", remedy
-    return "", ""
+    usual = steps[np.abs(steps - step) < HALF_A_STEP * step]
+    step = step if ticks or not usual.size else float(usual.mean())
+    counted = None if ticks or not usual.size else _counted((t - t[0]) / step)
+    lined = None if ticks else _on_a_line(t, order, name)
+    if counted is not None and (gaps := np.flatnonzero(np.diff(counted) > 1)).size:
+        # rounding seldom makes one step
+        least = _CLEAR if gaps.size > 1 else -_CLEAR
+        if lined and _likelier(signals, counted, _closed(counted), gaps) < least:
+            counted = None
+    if counted is not None and (placed := _on_a_line(t, counted, name)):
+        return counted, *placed
+    if lined:
+        return order, *lined
+    if steps.min() <= 0.0 and 1.5 * np.median(steps[steps > 0.0]) > _MAX_RATE_ERROR * np.ptp(t):
+        raise RecordError(f"{name} has too few digits; give sample_rate_hz instead")
+    t, off = _apart(t), np.abs(t - np.linspace(t[0], t[-1], t.size)).max()
+    at = (t - t[0]) / step
+    places = np.linspace(_AROUND, t.size - _AROUND, _PLACES).astype(np.intp)
+    near = off < HALF_A_STEP * step
+    if near and _likelier(signals, at, order, places) < -_CLEAR:
+        return order, np.interp(np.arange(int(order[-1]) + 1), order, t), []
+    at -= np.median(at - np.rint(at))
+    at = np.where(np.abs(at - np.rint(at)) < 1e-6, np.rint(at), at)
+    first = math.ceil(at[0])
+    size = min(int(at[-1]) - first + 1, _LARGEST * t.size + 1)
+    return at - first, t[0] + step * (np.arange(size) + first - at[0]), []
+
+
+def _counted(at: Array) -> Array | None:
+    """Return whole numbers near times in steps, which increase; None for none."""
+    at = np.rint(np.polyval(np.polyfit(at, np.rint(at), 1), at))
+    most = _LARGEST * at.size
+    return at - at[0] if np.diff(at).min() >= 1.0 and at[-1] - at[0] < most else None
+
+
+def _likelier(signals: Sequence[Array], one: Array, other: Array, places: Integers) -> float:
+    """Return by how much samples around some rows are likelier with numbers of one kind than with those of another, as
+    a log-likelihood ratio."""
+    ratios = [
+        _rough(signal, other, i) - _rough(signal, one, i)
+        for signal in signals
+        for i in places[:_PLACES].tolist()
+    ]
+    return float(np.nansum(ratios))
+
+
+def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
+    """Return minus the log-likelihood of the samples around row i, by what a polynomial leaves of them; NaN for few."""
+    own = slice(max(0, i + 1 - _AROUND), i + 1 + _AROUND)
+    values = signal[own] - signal[min(i, signal.size - 1)]
+    if values.size <= _AROUND or not np.abs(values).max() > 0.0:  # NaN is not
+        return math.nan
+    left = np.polyfit(number[own] - number[own].mean(), values, degree, full=True)[1].sum()
+    return _AROUND * math.log(left + _EXACT * np.abs(values).max() ** 2)
+
+
+def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
+    """Return whether signals that move go on after a gap as smoothly as before it and after it, if it is closed."""
+    closed, moves, breaks = _closed(number), 0.0, 0.0
+    for one in signals:
+        own, before, after = (_rough(one, closed, j, 4) for j in (i, i - _AROUND, i + _AROUND))
+        moves = np.nansum([moves, _rough(one, closed, i, 0) - own])
+        breaks = np.nansum([breaks, own - 0.5 * (before + after)])
+    return bool(moves > _CLEAR and breaks < _CLEAR)
+
+
+def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]] | None:
+    """Return the times of all whole numbers, s, where those of rows are in equal steps; None where they are not.
+
+    Times that are rounded to too few digits, as stamps in ms of 20,000 samples a second are, are t_i = t_0 + i Δt by
+    least squares, with a finding that bounds the relative error of Δt. They are if none is further from the line than
+    the resolution q, by which the two shortest kinds of steps differ. Rounding errors of up to q/2 put the slope off by
+    3q/2T at the most, T being the length of the record; they rarely conspire like that, and a hundredth of it is
+    common.
+    """
+    every = np.arange(int(number[-1]) + 1)
+    even = np.interp(every, number, t)
+    if not uneven(even, GRID_TOLERANCE):
+        return even, []
+    i, middle = number - number.mean(), float(t.mean())
+    step = float(i @ (t - middle)) / float(i @ i)
+    steps = np.sort(np.diff(t))
+    longer = steps[steps > steps[0] + 0.01 * step]
+    q = 10.0 ** round(math.log10(longer[0] - steps[0])) if longer.size else 0.0
+    bound = 1.5 * q / (step * every.size)
+    multiples = np.abs((steps - steps[0]) / q - np.rint((steps - steps[0]) / q)).max() if q else 1.0
+    if multiples > 0.01 or np.ptp(t - step * i) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
+        return None
+    of = {"where": name, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
+    line = np.asarray(middle + step * (every - number.mean()))
+    return line, [Finding("rounded times", of, {"": bound})]
+
+
+def _apart(t: Array) -> Array:
+    """Return times of which groups are equal, spread until the next group."""
+    first = np.flatnonzero(np.diff(t, prepend=-np.inf) > 0.0)
+    if first.size == t.size:
+        return t
+    size = np.diff(first).max()
+    at, of = (
+        np.append(first, first[-1] + size),
+        np.append(t[first], 2.0 * t[first[-1]] - t[first[-2]]),
+    )
+    return np.interp(np.arange(t.size), at, of)
+
+
+def _interpolation_error(clock: Clock, signal: Array) -> float:
+    """Return a bound on the error of interpolated samples, relative to the signal (rms).
+
+    A cubic spline through samples at most h apart is off a harmonic of ω by (5/384) (ωh)⁴ of its amplitude at the most,
+    whatever the intervals are (Hall and Meyer 1976), and never by much more than all of it. Further intervals matter
+    little, each by a quarter of the one before, so that h is the longest of five here. Each harmonic of the spectrum of
+    the samples counts with the part of the time that the intervals of each length fill. White noise is in it, too, so
+    that the bound is not below its part at high frequencies. Of an encoder it is half a tick.
+
+    A gain of that size is the worst that it means for the numbers; errors that differ from sample to sample are noise,
+    which the fit sees.
+    """
+    from scipy.ndimage import maximum_filter1d  # slow to import
+
+    samples, _ = clock.onto(signal)
+    samples = samples - samples.mean()
+    if not samples.any():
+        return 0.0
+    if tick := _tick(signal):
+        return 0.5 * tick / float(samples.std())
+    power = np.abs(np.fft.rfft(samples * np.hanning(samples.size))) ** 2
+    omega = 2.0 * math.pi * np.fft.rfftfreq(samples.size)
+    steps = np.minimum(np.diff(clock.number), _GAP * _WIDEST)
+    h = maximum_filter1d(steps, 5)
+    lengths, of = np.unique(np.ceil(20.0 * h) / 20.0, return_inverse=True)
+    parts = np.bincount(of, steps) / steps.sum()
+    errors = sum(
+        p * np.minimum(1.0, _SPLINE * (omega * h) ** 4) ** 2
+        for p, h in zip(parts, lengths, strict=True)
+    )
+    return math.sqrt(float(power @ errors) / float(power.sum()))

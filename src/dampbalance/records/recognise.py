@@ -9,26 +9,18 @@ used is refused with what is missing, and with the mapping to write where that i
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..arrays import Array, Integers, Mask
+from ..arrays import Array, Integers
 from ..findings.finding import Finding
 from ..project.wording import shortened
 from . import errors
-from .channel import (
-    EXCITATIONS,
-    QUANTITIES,
-    RESPONSES,
-    Channel,
-    Correction,
-    sample_times,
-)
-from .clock import GRID_TOLERANCE, uneven
+from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
+from .clock import Clock, clock_of, left_out
 from .coordinate import TRANSLATION, Coordinate
 from .draft import unclear
 from .errors import RecordError, RecordWarning
@@ -42,19 +34,7 @@ from .units import DIMENSIONS, UNITS, UnitError, unit_for
 _BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
 _WRAPPED = 0.9
-# part of the resolution: room for the rounding of its multiples to floats
-_MULTIPLE_TOLERANCE = 0.01
-_LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
-_MAX_RATE_ERROR = (
-    1e-2  # largest relative error of the rate, a hundred times a common one; c has the same
-)
-_MOST_MISSING = 0.03  # of the samples of a channel: more is a gap, or another clock
-_LONG = 10  # steps, from which on the clock may have jumped instead
-_AROUND = 8  # samples on either side of a gap, which a parabola describes
-_GAPS = 100  # that are looked at
-_CLEAR = 5.0  # log-likelihood ratio of a decision
-_EXACT = 1e-20  # sum of squares relative to that of the signal: less is rounding
-_PLACES = 3  # that a warning lists
+_MOST_MISSING = 0.03  # of the rows of a channel or its times: more are no oversight
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,69 +175,59 @@ def _unit(guesses: Guesses, raw: RawChannel, text: str | None, quantity: str) ->
 
 def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
     """Yield all samples of the picked channels, checked as `recognise` says."""
-    columns = file.columns(_wanted(picks))
-    sharing: dict[tuple[object, ...], Pick] = {}  # the first of those that share their times
-    for pick in picks:
-        first = sharing.setdefault((pick.time, pick.rate_hz, pick.start), pick)
-        size, others = columns[pick.index].size, columns[first.index].size
-        if pick.time is not None and columns[pick.time].size != size:
-            raise RecordError(
-                f"{file.path}: channel {pick.name!r} has {size} samples, its time "
-                f"{file.channels[pick.time].name!r} has {columns[pick.time].size}; each sample needs its time"
-            )
-        if others != size:
-            raise RecordError(
-                f"{file.path}: channel {first.name!r} has {others} samples, {pick.name!r} has {size}; channels "
-                "that share their times have equal lengths"
-            )
-        own = {i: columns[i] for i in _wanted([pick])}
-        if pick.time is not None:
-            own = _without_empty_end(own)
-        beside = [columns[other.index] for other in picks if other.time == pick.time]
-        yield _checked(file, pick, own, beside)
+    columns = file.columns(
+        sorted({i for of in picks for i in (of.index, of.time) if i is not None})
+    )
+    for time, rate, start in dict.fromkeys((of.time, of.rate_hz, of.start) for of in picks):
+        own = [of for of in picks if (of.time, of.rate_hz, of.start) == (time, rate, start)]
+        named = {of.index: f"channel {of.name!r}" for of in own}
+        if time is not None:
+            named[time] = f"its time {file.channels[time].name!r}"
+        sizes = {columns[i].size for i in named}
+        if len(sizes) > 1:
+            each = ", ".join(f"{name} has {columns[i].size}" for i, name in named.items())
+            raise RecordError(f"{file.path}: channels and times of unequal lengths: {each} samples")
+        size = sizes.pop()
+        if time is not None:  # a shorter time base leaves rows at the end that are empty in all
+            filled = np.flatnonzero(~np.all([np.isnan(columns[i]) for i in named], axis=0))
+            size = int(filled[-1]) + 1 if filled.size else 0
+        if size < 3:
+            what = f"channel {own[0].name!r} has {size} samples; that is no record"
+            raise RecordError(f"{file.path}: {what}")
+        signals = {of.index: columns[of.index][:size] for of in own}
+        if time is None:
+            clock = Clock.plain(sample_times(rate or 1.0, start, 0, size))
+        else:
+            name = f"time channel {file.channels[time].name!r}"
+            t = _in_si(file, time, columns[time][:size], own[0].time_factor, errors.LATEST, "s")
+            try:
+                clock = clock_of(t, [*signals.values()], name, file.place)
+            except RecordError as error:
+                raise RecordError(f"{file.path}: {error}") from None
+            for odd in clock.findings:
+                warnings.warn(RecordWarning(file.path, odd), stacklevel=2)
+        for pick in own:
+            yield _checked(file, pick, signals[pick.index], clock)
 
 
-def _checked(
-    file: Table, pick: Pick, columns: Mapping[int, Array], beside: Sequence[Array]
-) -> Channel:
-    """Return the channel of these columns, checked.   beside : the channels that share its times.
+def _checked(file: Table, pick: Pick, values: Array, clock: Clock) -> Channel:
+    """Return the channel of these rows, checked, by their clock.
 
     Raises RecordError as `recognise`.
     """
-    values = columns[pick.index]
-    if values.size < 3:
-        remedy = "that is no record"
-        raise RecordError(f"{file.path}: channel {pick.name!r} has {values.size} samples; {remedy}")
     unit, this = pick.coordinate.unit(QUANTITIES[pick.quantity]), f"channel {pick.name!r}"
     signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
-    present = np.flatnonzero(~np.isnan(values))
-    _warn_of("no numbers", file, this, np.flatnonzero(np.isnan(values)))
+    empty, present = (np.flatnonzero(np.isnan(values) == lacks) for lacks in (True, False))
+    for odd in left_out("no numbers", this, empty, file.place):
+        warnings.warn(RecordWarning(file.path, odd), stacklevel=2)
     _require_no_overflow(file, pick, values, present)
-    if pick.time is None:
-        t = sample_times(pick.rate_hz or 1.0, pick.start, 0, values.size)
-    else:
-        time = f"time channel {file.channels[pick.time].name!r}"
-        t = _in_si(file, pick.time, columns[pick.time], pick.time_factor, errors.LATEST, "s")
-        _require_rate(t, f"{file.path}: {time}")
-        rows, number = _numbered(t, [one[: t.size] for one in beside if one.size >= t.size])
-        again = np.setdiff1d(np.flatnonzero(np.isfinite(t)), rows)
-        _warn_of("rows twice", file, time, again)
-        gaps, size = np.flatnonzero(np.diff(number) > 1), int(number[-1]) + 1
-        _warn_of("rows missing", file, time, rows[gaps + 1], size - rows.size)
-        if size != t.size or gaps.size:
-            t, recorded = np.interp(np.arange(size), number, t[rows]), signal[rows]
-            signal = np.full(size, np.nan)
-            signal[number] = recorded
-        t = _in_equal_steps(t, file.path, time)
     if pick.quantity in RESPONSES:  # a base may be at rest, a dead weight presses evenly
         _require_moving(f"{file.path}: {this}", pick, values[present], unit)
-    missing = np.isnan(signal)
     try:
+        samples, missing = clock.onto(signal)
         of = pick.name, pick.correction, pick.coordinate
         timed = pick.time is not None or pick.rate_hz > 0.0
-        if not missing.any():
-            return Channel(pick.quantity, t, signal, *of, timed=timed)
-        return Channel(pick.quantity, t, _filled(signal, missing), *of, missing, timed)
+        return Channel(pick.quantity, clock.t, samples, *of, missing, timed)
     except ValueError as error:
         raise RecordError(f"{file.path}: {error}") from None
 
@@ -312,153 +282,3 @@ def _require_no_overflow(file: Table, pick: Pick, values: Array, present: Intege
         f"goes from {values[i]:g} to {values[i + 1]:g}: an integer of {bits} bits ran over; record "
         "with a wider range"
     )
-
-
-def _require_rate(t: Array, where: str) -> None:
-    """Raise RecordError for times in steps that no recorder has.   where : file and channel."""
-    step = float(np.median(np.diff(t)))
-    if step > 0.0 and not errors.LOWEST_RATE <= 1.0 / step <= errors.HIGHEST_RATE:
-        raise RecordError(
-            f"{where} has steps of {step:g} s, which no recorder has; check its unit, or give sample_rate_hz"
-        )
-
-
-def _wanted(picks: Sequence[Pick]) -> list[int]:
-    """Return the channels to read, signals and times."""
-    return sorted({i for pick in picks for i in (pick.index, pick.time) if i is not None})
-
-
-def _without_empty_end(columns: Mapping[int, Array]) -> dict[int, Array]:
-    """Return the columns without the rows at the end that are empty in all, as a shorter time base leaves them."""
-    present = np.flatnonzero(~np.all([np.isnan(column) for column in columns.values()], axis=0))
-    end = int(present[-1]) + 1 if present.size else 0
-    return {i: column[:end] for i, column in columns.items()}
-
-
-def _numbered(t: Array, signals: Sequence[Array]) -> tuple[Integers, Integers]:
-    """Return the rows that count and the numbers of their samples, which have gaps where samples are missing.
-
-    Rows without a time do not count, nor those that are there twice, if these are all whose time does not move on. A
-    recorder that loses rows leaves a whole number of steps. Times that were rounded, and a clock that jumps, may look
-    like that as well: there the signals say which it is, as they go on smoothly where nothing is missing. All rows
-    count where more than a few would not.
-
-    t : s.   signals : that share these times.
-    """
-    rows, kept = np.arange(t.size), np.flatnonzero(np.isfinite(t))
-    if kept.size < 3 or (kept.size == t.size and not uneven(t, GRID_TOLERANCE)[0]):
-        return rows, rows
-    stops = np.diff(t[kept], prepend=np.nan) == 0.0
-    again = stops & np.all([one[kept] == np.roll(one[kept], 1) for one in signals], axis=0)
-    if np.array_equal(again, stops):
-        kept = kept[~again]
-    if kept.size < 2:
-        return rows, rows
-    steps = np.diff(t[kept])
-    usual = np.abs(steps - steps.mean()) < 0.5 * steps.mean()
-    if not usual.any() or np.ptp(t[kept]) > 2.0 * t.size * steps[usual].mean():
-        return rows, rows
-    at = (t[kept] - t[kept[0]]) / steps[usual].mean()
-    at = np.rint(np.polyval(np.polyfit(at, np.rint(at), 1), at))
-    number = (at - at[0]).astype(np.intp)
-    gaps = np.flatnonzero(np.diff(number) > 1)
-    changed = int(number[-1]) + 1 - kept.size + t.size - kept.size
-    if changed > _MOST_MISSING * t.size or np.diff(number).min() < 1:
-        return rows, rows
-    if gaps.size:
-        evidence = math.fsum(_evidence(one[kept], number, gaps[:_GAPS]) for one in signals)
-        rounded, long = _rounded(t[kept]) is not None, bool(np.diff(number).max() > _LONG)
-        least = _CLEAR if rounded and gaps.size > 1 else -_CLEAR  # rounding seldom makes one step
-        if (rounded or long) and evidence < least:
-            return rows, rows
-    return kept, number
-
-
-def _evidence(signal: Array, number: Integers, gaps: Integers) -> float:
-    """Return by how much the samples around gaps are likelier with them than without, as a log-likelihood ratio.
-
-    number : of the samples, as the times have them.   gaps : indices of the samples after which some are missing.
-    """
-    total = 0.0
-    for j in gaps.tolist():
-        own = slice(max(0, j + 1 - _AROUND), j + 1 + _AROUND)
-        values = signal[own] - signal[j]
-        if np.abs(values).max() > 0.0 and values.size > _AROUND:  # NaN is not
-            values = values / np.abs(values).max()
-            ways = (np.arange(values.size), number[own] - number[j])
-            with_gap, without = (np.polyfit(at, values, 2, full=True)[1].sum() for at in ways[::-1])
-            total += 0.5 * values.size * math.log((without + _EXACT) / (with_gap + _EXACT))
-    return total
-
-
-def _filled(signal: Array, missing: Mask) -> Array:
-    """Return a signal with values for the samples that are missing, which pictures and spectra need: those of a cubic
-    spline through the others, at the ends the nearest."""
-    from scipy.interpolate import CubicSpline  # slow to import
-
-    at, present = np.arange(signal.size), np.flatnonzero(~missing)
-    inside = np.clip(at[missing], present[0], present[-1])
-    signal[missing] = CubicSpline(present, signal[present])(inside)
-    return signal
-
-
-def _warn_of(code: str, file: Table, channel: str, rows: Integers, count: int = 0) -> None:
-    """Warn of rows that are left out of a channel, with their number and where they stand.
-
-    code : of the finding.   count : number of the samples, where it is not that of the rows.
-    """
-    count = count or rows.size
-    if count:
-        places = [file.place(int(i)) for i in rows[:_PLACES]] + ["…"] * (rows.size > _PLACES)
-        of = {"channel": channel, "count": count, "many": count > 1, "places": ", ".join(places)}
-        warnings.warn(RecordWarning(file.path, Finding(code, of)), stacklevel=2)
-
-
-def _in_equal_steps(t: Array, path: object, channel: str) -> Array:
-    """Return the times of a channel: the line through them where they are rounded, with a warning that states its
-    bound; any other times as they are.
-
-    t : s.   path, channel : for the warning.
-    """
-    if (rounded := _rounded(t)) is None:
-        return t
-    line, q, step, bound = rounded
-    of = {"where": channel, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
-    said = Finding("rounded times", of, {"": bound})
-    warnings.warn(RecordWarning(path, said), stacklevel=2)
-    return line
-
-
-def _rounded(t: Array) -> tuple[Array, float, float, float] | None:
-    """Return t_i = t_0 + i Δt by least squares, the resolution q and Δt, s, and the bound on the relative error of Δt,
-    for times in equal steps that are rounded to too few digits, as stamps in ms of 20,000 samples a second are; None
-    for any others.
-
-    They are if all are multiples of a decimal resolution q apart and none is further than that from the line. Rounding
-    errors of up to q/2 put the slope off by 3q/2T at the most, T being the length of the record; they rarely conspire
-    like that, and a hundredth of it is common.
-    """
-    steps = np.diff(t)
-    if t.size < 3 or not steps.min() >= 0.0 or not t[-1] > t[0]:
-        return None
-    even = np.linspace(t[0], t[-1], t.size)
-    if np.abs(t - even).max() <= GRID_TOLERANCE * (even[1] - even[0]):
-        return None
-    q = next((q for n in range(13) if _are_multiples(steps, q := 10.0**-n)), np.inf)
-    i = np.arange(t.size) - 0.5 * (t.size - 1)
-    middle = float(t.mean())
-    step = float(i @ (t - middle)) / float(i @ i)
-    line = np.asarray(middle + step * i)
-    if not step > 0.0:  # underflow
-        return None
-    bound = 1.5 * q / (step * t.size)
-    if np.ptp(t - line) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
-        return None
-    return line, q, step, bound
-
-
-def _are_multiples(steps: Array, q: float) -> bool:
-    """Return whether all steps are multiples of q, none but zero being lost."""
-    multiples = np.round(steps / q)
-    lost = (multiples == 0.0) & (steps > 0.0)
-    return not lost.any() and bool(np.abs(steps / q - multiples).max() < _MULTIPLE_TOLERANCE)

@@ -161,8 +161,12 @@ def channels_of(
 
 
 def table_of(path: Path, signals: Iterable[Sequence[RawChannel]]) -> Table:
-    """Return the table of the channels of several signals."""
-    return Table(path, [raw for signal in signals for raw in signal])
+    """Return the table of the channels of several signals. Those of a single matrix have no headings."""
+    each = [[*signal] for signal in signals]
+    channels = [raw for signal in each for raw in signal]
+    if len(each) == 1 and len(channels) > 1:
+        channels = [replace(raw, label="") for raw in channels]
+    return Table(path, channels)
 
 
 def _timing(label: str, stated: Mapping[str, object]) -> dict[str, Any]:

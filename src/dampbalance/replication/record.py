@@ -56,8 +56,7 @@ class SimulatedRecord:
                 raise ValueError(
                     f"SimulatedRecord.{name} has {signal.size} samples, t has {self.t.size}"
                 )
-        problem, _ = uneven(self.t, GRID_TOLERANCE)
-        if problem:
+        if problem := uneven(self.t, GRID_TOLERANCE):
             raise ValueError(f"SimulatedRecord.t {problem}; resample the record to equal steps")
 
     def __len__(self) -> int:

@@ -51,7 +51,7 @@ FORMATS = {
     "uff": Format("a universal file", (".uff", ".unv", ".58"), uff_file, rb"[\r\n]*    -1"),
     "tdms": Format("TDMS", (".tdms",), tdms_file, b"TDS[mh]"),
     "wav": Format("WAV", (".wav", ".wave"), wav_file, b"(RIFF|RIFX|RF64).{4}WAVE"),
-    "lvm": Format("a text file of LabVIEW", (".lvm",), lvm_file, _LVM),
+    "lvm": Format("a text file of LabVIEW", (".lvm",), lvm_file, _LVM, ("text",)),
     "npy": Format("an array of NumPy", (".npy",), numpy_file, rb"\x93NUMPY"),
     "npz": Format("arrays of NumPy", (".npz",), numpy_file, _NPZ),
     "spreadsheet": Format("a spreadsheet", _SHEETS, spreadsheet_file, _SHEET),
@@ -93,7 +93,7 @@ def checked_format(path: Path) -> Format:
     shown = [n for n, of in FORMATS.items() if n != "text" and re.match(of.begins, head, re.DOTALL)]
     content, *_ = *shown, "text" if re.match(_TEXT, head) else ""
     if content in (named, *kind.others):
-        return kind if content == "text" else FORMATS[content]
+        return FORMATS["json" if named == "json" else content]
     remedy = "; its first bytes are those of no known format; it may be damaged"
     if content:
         renamed = path.with_suffix(FORMATS[content].suffixes[0]).name

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO, TypeAlias
 
 import numpy as np
 
@@ -27,11 +27,8 @@ from ..mapping import RecordMapping
 from ..table import LONGEST_TAIL, RATE_NAMES, STEP_NAMES, RawChannel, Table
 from ..units import find_other, find_unit, split_label
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 WHITESPACE = "whitespace"
-_NO_END = "no line end"  # code of a finding
+_Cells: TypeAlias = Sequence[list[str]]
 _SAMPLE_LINES = 400  # enough for any header and some rows
 _SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
@@ -80,7 +77,7 @@ def _split(line: str, delimiter: str) -> list[str]:
 
 
 def _first_row(
-    table: Sequence[list[str]], decimal: str, header: int | None, least: int
+    table: _Cells, decimal: str, header: int | None, least: int
 ) -> tuple[int, int, int, int] | None:
     """Return how many rows of the cells of lines fit this decimal mark, the line (counted from 0) of the first one, and
     its number of cells, without and with empty ones at the end; or None.
@@ -99,9 +96,8 @@ def _first_row(
             return 0, 0
         return len(cells), max(i for i, cell in enumerate(cells, start=1) if cell)
 
-    start = header
-    if start is None:
-        start = next((i for i, cells in enumerate(table) if row(cells)[0]), len(table))
+    first = (i for i, cells in enumerate(table) if row(cells)[0])
+    start = next(first, len(table)) if header is None else header
     sizes = [row(cells) for cells in table[start:] if cells]
     counts = Counter(cells for cells, _ in sizes[:_ROWS_TO_AGREE] if cells)
     if not counts:
@@ -123,6 +119,8 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
         if delimiter == WHITESPACE:  # "x [mm]" is one name, where the number of cells allows
             ways = (re.split(way, text.strip()) for way in (r"\s{2,}|\t", r"\s+(?![\[(])"))
             cells = next((apart for apart in ways if len(apart) == width), cells)
+        while len(cells) > width and not cells[0]:
+            del cells[0]
         dropped = ("", "comment", "kommentar")
         while len(cells) > width and (len(cells) <= most or cells[-1].lower() in dropped):
             cells.pop()
@@ -131,7 +129,7 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
     return table
 
 
-def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawChannel]:
+def columns_of(path: Path, table: _Cells, width: int) -> list[RawChannel]:
     """Return names and units from the last rows of the header that have as many cells as the rows of numbers."""
     fitting = [cells for cells in table if len(cells) == width and any(cells)]
     if not fitting and table and len(table[-1]) > 1:
@@ -162,12 +160,12 @@ def columns_of(path: Path, table: Sequence[list[str]], width: int) -> list[RawCh
     return columns
 
 
-def _keyed(table: Sequence[list[str]]) -> dict[str, list[str]]:
+def _keyed(table: _Cells) -> dict[str, list[str]]:
     """Return the lines of a header by their first cells, without the unit, as `key_of` spells them."""
     return {key_of(split_label(cells[0])[0]): cells for cells in table if len(cells) > 1}
 
 
-def _stated_rate(table: Sequence[list[str]], decimal: str) -> float | None:
+def _stated_rate(table: _Cells, decimal: str) -> float | None:
     """Return samples per second as a line of a header gives them, or the interval between them; None where none
     does."""
     for key, cells in _keyed(table).items():
@@ -184,10 +182,7 @@ def _stated_rate(table: Sequence[list[str]], decimal: str) -> float | None:
 
 
 def timed(
-    columns: Sequence[RawChannel],
-    head: Sequence[list[str]],
-    rows: Sequence[list[str]],
-    decimal: str,
+    columns: Sequence[RawChannel], head: _Cells, rows: _Cells, decimal: str
 ) -> list[RawChannel]:
     """Return the columns with the rate that a header states. A column that counts samples, by its first rows, is no
     time where the header states another interval, or where only its place there made it one."""
@@ -239,7 +234,7 @@ def _encoding(path: Path) -> str:
     return "utf-8-sig"
 
 
-def _seconds(cells: pd.Series[str]) -> Array:
+def _seconds(cells: Any) -> Array:
     """Return the times of a column in seconds from its first one on; NaN for an empty cell. Raises ValueError for no
     time."""
     import pandas as pd  # slow to import
@@ -262,7 +257,7 @@ def _seconds(cells: pd.Series[str]) -> Array:
 class _Layout:
     """Layout of a delimited text: delimiter, decimal mark, mark of comments, lines of the header.
 
-    opened : gives the text.   line : what its lines are called.
+    opened : gives the text.   line : what its lines are called.   left : empty cells before each row.
     """
 
     path: Path
@@ -272,6 +267,7 @@ class _Layout:
     decimal: str
     comment: str
     header_lines: int
+    left: int
     channels: Sequence[RawChannel]
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
@@ -279,7 +275,7 @@ class _Layout:
         with self.opened() as stream:
             for number, line in itertools.islice(enumerate(stream, 1), self.header_lines, None):
                 if cells := cells_of(line, self.delimiter, self.comment):
-                    yield number, cells
+                    yield number, cells[self.left :]
 
     def place(self, sample: int) -> str:
         """Return the line of a row, counted from 1."""
@@ -296,13 +292,13 @@ class _Layout:
     def _columns(self, wanted: Sequence[int], most: int | None) -> list[Array]:
         import pandas as pd  # slow to import
 
-        stamps = [channel.stamps for channel in self.channels]
+        stamps = {i + self.left: self.channels[i].stamps for i in wanted}
         # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
         with self.opened() as stream:
             table = pd.read_csv(
                 stream,
                 header=None,
-                dtype={i: str if stamps[i] else np.float64 for i in wanted},
+                dtype={i: str if of else np.float64 for i, of in stamps.items()},
                 low_memory=False,
                 skiprows=self.header_lines,
                 nrows=most,
@@ -311,7 +307,7 @@ class _Layout:
                 skipinitialspace=True,
                 sep=r"\s+" if self.delimiter == WHITESPACE else self.delimiter,
             )
-        return [_seconds(table[i]) if stamps[i] else np.asarray(table[i]) for i in wanted]
+        return [_seconds(table[i]) if of else np.asarray(table[i]) for i, of in stamps.items()]
 
     def _rows_before_text(self, wanted: Sequence[int], fallback: str) -> int:
         """Return the number of rows before the text at the end of a file, with a warning.
@@ -360,7 +356,7 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
         file.seek(max(0, path.stat().st_size - 4))
         ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
     opened = partial(open, path, encoding=_encoding(path), errors="replace")
-    return replace(text_table(path, opened, mapping), oddity=_NO_END * (not ended))
+    return replace(text_table(path, opened, mapping), oddity="no line end" * (not ended))
 
 
 def text_table(
@@ -400,11 +396,14 @@ def text_table(
     (_, header, width, cells), delimiter, decimal = max(
         fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
     )
-    head = _header_table(lines[:header], delimiter, width, cells)
     rows = [*filter(None, tables[delimiter][header:])][:_ROWS_TO_AGREE]
-    channels = timed(columns_of(path, head, width), head, rows, decimal)
-    for i, cell in enumerate(rows[0][:width] if rows else []):
+    # a delimiter before each row makes no column, as one behind it
+    left = min(next(i for i, cell in enumerate(row) if cell) for row in rows if any(row))
+    head = _header_table(lines[:header], delimiter, width - left, cells - left)
+    rows = [row[left:width] for row in rows]
+    channels = timed(columns_of(path, head, width - left), head, rows, decimal)
+    for i, cell in enumerate(rows[0]):
         if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
             channels[i] = replace(channels[i], unit="s", stamps=True)
-    layout = _Layout(*(path, opened, line, delimiter, decimal, comment, header, channels))
+    layout = _Layout(*(path, opened, line, delimiter, decimal, comment, header, left, channels))
     return Table(path, channels, layout.load, layout.place)
