@@ -25,7 +25,9 @@ _SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones determine 
 # relative to its first swing: a decay falls below it, a steady motion with noise does not
 _DECAYED = 0.85
 _RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
+_ALIKE = 0.9  # of two swings of one decay, of which the samples, seven a cycle, may miss a tenth
 _QUIET_SAMPLES = 200  # least number in a part, whose median is then known to 11 %
+_FEW_SAMPLES = 14  # a cycle: of more, third differences show the noise
 _FEWEST_CYCLES = 1.5  # in a record, of a motion that slips in two half cycles
 
 
@@ -111,11 +113,15 @@ def too_few_samples(a_cycle: float) -> str:
 
 def noise_of(values: Array) -> float:
     """Return the standard deviation of white noise on a smooth signal, from the third differences in the quietest part
-    of the record; at least that of rounding and of the steps in which it was digitised."""
+    of the record, or, of few samples a cycle, from the median of its spectrum; at least that of rounding and of the steps in which it was digitised."""
     steps = np.diff(np.unique(values))
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
     parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
+    power = np.abs(np.fft.rfft(values - values.mean())) ** 2
+    if _FEW_SAMPLES * int(np.argmax(power)) > values.size:  # their third differences are motion
+        between_lines = math.sqrt(float(np.median(power)) / values.size / math.log(2.0))
+        return max(between_lines, digits, least_noise(values))
     # third differences of white noise have 1 + 9 + 9 + 1 times its variance; 1.4826 medians are a standard deviation
     quiet = 1.4826 * min(float(np.median(part)) for part in parts) / math.sqrt(20.0)
     return max(quiet, digits, least_noise(values))
@@ -192,11 +198,14 @@ def _peaks(swing: Array, length: int, least: float) -> list[int]:
     from scipy.ndimage import maximum_filter1d
 
     around = maximum_filter1d(swing, 4 * length + 1, mode="nearest")
+    # the largest of the half cycle up to there: in between the swing over the window is a third less
+    calm = maximum_filter1d(swing, length, origin=(length - 1) // 2, mode="nearest")
     peaks: list[int] = []
     for i in np.flatnonzero((swing >= around) & (swing >= least)):
-        before = swing[max(0, i - 5 * length) : i + 1]
+        before = calm[max(0, i - 5 * length) : i + 1]
         # the largest swing of a record begins a decay, whatever came before: a second blow into the first decay
-        rises = i < length or before.min() < _RISE * swing[i] or swing[i] >= swing.max()
+        largest = swing[i] >= swing.max() and not (peaks and swing[peaks[-1]] > _ALIKE * swing[i])
+        rises = i < length or before.min() < _RISE * swing[i] or largest
         if rises and (not peaks or i - peaks[-1] > 2 * length):
             peaks.append(int(i))
     return peaks
