@@ -162,7 +162,7 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
     clear = _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width)
     least = max(_SMALLEST_BURST * float(swing.max()), clear)
-    peaks = _peaks(swing, length, least)
+    peaks = _peaks(swing, length, least, clear)
     if not peaks:
         raise NoDecay("no decaying motion in it exceeds the noise")
     # over two windows lies a whole cycle, and its largest swing; two cycles show no steady motion yet
@@ -193,8 +193,9 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     return bursts
 
 
-def _peaks(swing: Array, length: int, least: float) -> list[int]:
-    """Return indices where the swing has a local maximum above `least`, after having been much smaller."""
+def _peaks(swing: Array, length: int, least: float, clear: float) -> list[int]:
+    """Return indices where the swing has a local maximum above `least`, after having been smaller by much more than
+    noise makes it, half of what is `clear`."""
     from scipy.ndimage import maximum_filter1d
 
     around = maximum_filter1d(swing, 4 * length + 1, mode="nearest")
@@ -205,7 +206,7 @@ def _peaks(swing: Array, length: int, least: float) -> list[int]:
         before = calm[max(0, i - 5 * length) : i + 1]
         # the largest swing of a record begins a decay, whatever came before: a second blow into the first decay
         largest = swing[i] >= swing.max() and not (peaks and swing[peaks[-1]] > _ALIKE * swing[i])
-        rises = i < length or before.min() < _RISE * swing[i] or largest
+        rises = i < length or before.min() < _RISE * (swing[i] - 0.5 * clear) or largest
         if rises and (not peaks or i - peaks[-1] > 2 * length):
             peaks.append(int(i))
     return peaks
