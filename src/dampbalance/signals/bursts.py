@@ -118,12 +118,11 @@ def noise_of(values: Array) -> float:
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
     parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
-    power = np.abs(np.fft.rfft(values - values.mean())) ** 2
-    if _FEW_SAMPLES * int(np.argmax(power)) > values.size:  # their third differences are motion
-        between_lines = math.sqrt(float(np.median(power)) / values.size / math.log(2.0))
-        return max(between_lines, digits, least_noise(values))
     # third differences of white noise have 1 + 9 + 9 + 1 times its variance; 1.4826 medians are a standard deviation
     quiet = 1.4826 * min(float(np.median(part)) for part in parts) / math.sqrt(20.0)
+    power = np.abs(np.fft.rfft(values - values.mean())) ** 2
+    if _FEW_SAMPLES * int(np.argmax(power)) > values.size:  # their third differences are motion
+        quiet = min(quiet, math.sqrt(float(np.median(power)) / values.size / math.log(2.0)))
     return max(quiet, digits, least_noise(values))
 
 
