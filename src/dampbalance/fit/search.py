@@ -26,8 +26,9 @@ from scipy import special
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_X
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
-from ..signals.band import Band, filtered
-from ..signals.bursts import Burst, Signal, bursts_of
+from ..signals.band import Band
+from ..signals.bursts import Burst, Signal, bursts_of, sharpest
+from ..signals.log_decrement import displacement_in
 from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
 from .decay import COMMON, FURTHER, STATE, Decay, DecayFit, DecayProblem, with_noise_of
@@ -93,7 +94,7 @@ def separate_fits(
     source : of the record.   signals : its channels, their offsets numbered through all records.   k : N/m.
     Raises NoDecay.
     """
-    lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
+    lead = sharpest(signals)
     bursts = bursts_of(lead)
     fits: dict[Burst, DecayFit] = {}
     surest = None
@@ -179,7 +180,8 @@ class Swings:
         part = lead.between(burst.earliest, burst.end)
         self.swing, self.period = burst.swing, burst.period
         for _ in range(2):
-            x = self._displacement(part)
+            band = Band.about(1.0 / max(self.period, _SHORTEST * part.dt), part.dt)
+            x = displacement_in(part, band)
             at = np.flatnonzero(x[:-1] * x[1:] <= 0.0)
             share = x[at] / np.where(x[at] == x[at + 1], 1.0, x[at] - x[at + 1])
             zeros = part.t[at] + share * part.dt
@@ -194,14 +196,6 @@ class Swings:
         self.zeros, self.sizes = zeros[inside], tops[:-1] + tops[1:]
         signs = np.sign(x[at + 1] - x[at])[inside]
         self.speeds = signs * np.append(tops, tops[-1:]) * 2.0 * math.pi / self.period
-
-    def _displacement(self, part: Signal) -> Array:
-        """Return the displacement in the band of the mode, m, of a channel of any order."""
-        band = Band.about(1.0 / max(self.period, _SHORTEST * part.dt), part.dt)
-        x = filtered(part.values, part.dt, band)
-        for _ in range(part.order):
-            x = filtered(np.cumsum(x) * part.dt, part.dt, band)
-        return np.asarray(x)
 
     def start_at(self, t: float) -> Array:
         """Return the state x, ẋ, w at the zero next to a time."""

@@ -8,6 +8,7 @@ ringing of the stuck mass dominates.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -124,6 +125,11 @@ def noise_of(values: Array) -> float:
     if _FEW_SAMPLES * int(np.argmax(power)) > values.size:  # their third differences are motion
         quiet = min(quiet, math.sqrt(float(np.median(power)) / values.size / math.log(2.0)))
     return max(quiet, digits, least_noise(values))
+
+
+def sharpest(signals: Sequence[Signal]) -> Signal:
+    """Return the channel whose motion is the largest multiple of its noise."""
+    return max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
 
 
 def least_noise(values: Array) -> float:

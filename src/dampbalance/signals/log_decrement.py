@@ -24,7 +24,7 @@ from .band import NOISE_PASSED, Band, filtered
 from .bursts import Burst, Signal
 from .simpson import integrals
 
-_RANGES = 5  # of amplitudes, at most
+_RANGES = 4  # of amplitudes, but one, of all modes together
 _RATIO = 1.6  # of the amplitudes of one, at least, where there are several
 _FEWEST_HALVES = 5  # in a range
 _NOISE = 5.0  # times its standard deviation, to which the amplitude falls
@@ -94,7 +94,8 @@ def damping_of(signal: Signal, bursts: Sequence[Burst]) -> list[SwingDamping]:
         about = Band.about(f, part.dt)
         half = 0.5 * min((abs(f - one) for one in frequencies if one != f), default=math.inf)
         band = Band(max(about.low, f - half), min(about.high, f + half))
-        rows += [one for one in _ranges(part, band, f, mode) if one.ratio > 0.0]
+        ranges = _ranges(part, band, f, mode, 1 + _RANGES // len(frequencies))
+        rows += [one for one in ranges if one.ratio > 0.0]
     return rows
 
 
@@ -123,8 +124,8 @@ def _modes(part: Signal, first: float) -> list[float]:
     return modes[:_MODES]
 
 
-def _ranges(part: Signal, band: Band, f: float, mode: int) -> list[SwingDamping]:
-    """Return the damping in some ranges of the amplitude, down to the noise."""
+def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[SwingDamping]:
+    """Return the damping in some ranges of the amplitude, down to the noise.   most : number of them."""
     x = displacement_in(part, band)
     i = np.flatnonzero(x[:-1] * x[1:] < 0.0)
     ends = max(_ENDS, math.ceil(2.0 * f / (band.high - band.low)))
@@ -142,7 +143,7 @@ def _ranges(part: Signal, band: Band, f: float, mode: int) -> list[SwingDamping]
         return []
     t, logs = part.dt * zeros[first : first + count + 1], np.log(X[first : first + count])
     many = int((logs[0] - logs[-1]) / math.log(_RATIO))
-    edges = np.linspace(logs[0], logs[-1], max(1, min(many, _RANGES)) + 1)[1:-1]
+    edges = np.linspace(logs[0], logs[-1], max(1, min(many, most)) + 1)[1:-1]
     cuts = [0]
     for edge in edges:
         cut = int(np.argmax(logs < edge))
@@ -156,6 +157,7 @@ def _ranges(part: Signal, band: Band, f: float, mode: int) -> list[SwingDamping]
         ratio = fall / math.hypot(2.0 * math.pi, fall)
         X_middle = math.exp(float(logs[start:end].mean()))
         error = fall_error / (2.0 * math.pi) * (1.0 - ratio**2) ** 1.5
+        hertz_error = math.hypot(hertz_error, hertz * ratio**2)  # what the filter shifts
         cycles = 0.5 * (end - start)
         rows.append(SwingDamping(mode, X_middle, cycles, hertz, hertz_error, ratio, error))
     return rows
