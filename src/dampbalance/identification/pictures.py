@@ -231,7 +231,10 @@ def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
         own = [one for one in rows if one.mode == mode]
         X = [1e3 * one.X for one in own]
         look: dict[str, Any] = {"fmt": "o-", "color": colour, "markersize": 3.0, "linewidth": 0.6}
-        zeta, error = ([100.0 * one.ratio for one in own], [100.0 * NORMAL_95 * one.ratio_error for one in own])
+        zeta, error = (
+            [100.0 * one.ratio for one in own],
+            [100.0 * NORMAL_95 * one.ratio_error for one in own],
+        )
         left.errorbar(X, zeta, error, label=f"mode {mode}", **look)
         hertz, error = [one.hertz for one in own], [NORMAL_95 * one.hertz_error for one in own]
         right.errorbar(X, np.array(hertz) / hertz[0], np.array(error) / hertz[0], **look)
@@ -240,7 +243,7 @@ def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
     right.set_ylabel("$f$ / $f$ of the largest amplitude")
     right.ticklabel_format(axis="y", useOffset=False)
     for axes in (left, right):
-        axes.set_xscale("log")
+        axes.set_xlim(left=0.0)
         axes.set_xlabel(of.label("X", "mm"))
     if rows[-1].mode > 1:
         figure.legend(*left.get_legend_handles_labels(), loc="lower center", ncols=3)

@@ -10,11 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from ..arrays import Array, Mask
-from .thresholds import RARE_LINE
+from .thresholds import RARE_LINE, SIGNIFICANT
 
 _BAND = 1.25  # ratio of its upper end to its centre: a decay is no sharp line
 _WINDOW = 0.6  # cycles, in which a decay passes two turns
@@ -25,6 +26,7 @@ _CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
 _SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones determine F_k poorly
 # relative to its first swing: a decay falls below it, a steady motion with noise does not
 _DECAYED = 0.85
+_LEAST_FALL, _FEWEST_FALLING = 0.04, 4  # of ln of the swings of another decay; half cycles of it
 _RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
 _ALIKE = 0.9  # of two swings of one decay, of which the samples, seven a cycle, may miss a tenth
 _QUIET_SAMPLES = 200  # least number in a part, whose median is then known to 11 %
@@ -172,10 +174,10 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
         raise NoDecay("no decaying motion in it exceeds the noise")
     # over two windows lies a whole cycle, and its largest swing; two cycles show no steady motion yet
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
-    if swing.size - peaks[0] > 4 * length and all(
-        widest[i : max(j - 2 * length, i + 1)].min() > _DECAYED * swing[i]
-        for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
-    ):
+    parts = [slice(i, max(j - 2 * length, i + 1)) for i, j in pairwise([*peaks, swing.size])]
+    steady = all(widest[part].min() > _DECAYED * swing[part.start] for part in parts)
+    half = round(0.5 * period / signal.dt)
+    if swing.size - peaks[0] > 4 * length and steady and not _falls(swing[parts[0]], half):
         raise NoDecay("it swings as far at its end as at its start")
     bursts = []
     for before, i, stop in zip([0, *peaks], peaks, [*peaks[1:], swing.size - 1], strict=False):
@@ -196,6 +198,18 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
             )
         )
     return bursts
+
+
+def _falls(swing: Array, half: int) -> bool:
+    """Return whether swings fall, from one half cycle to the next, by more than noise makes them, and as much at the end
+    as at the beginning: a steady motion may still settle.   half : samples of a half cycle."""
+    sizes = np.log(np.maximum.reduceat(swing, np.arange(0, swing.size - half + 1, half)))
+    if sizes.size < _FEWEST_FALLING:
+        return False
+    fall, error = slope_of(np.arange(sizes.size), -sizes)
+    middle, n = sizes.size // 2, sizes.size - 1
+    settles = sizes[middle] - sizes[n] < 0.3 * fall * (n - middle)
+    return fall * n > max(_LEAST_FALL, SIGNIFICANT * error * n) and not settles
 
 
 def _peaks(swing: Array, length: int, least: float, clear: float) -> list[int]:
@@ -238,3 +252,14 @@ def _frequency(signal: Signal) -> float:
         )
     inside = slice(low[best], high[best])
     return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))
+
+
+def slope_of(along: Array, values: Array) -> tuple[float, float]:
+    """Return the slope of a straight line and its standard error, for residuals of which neighbours are correlated."""
+    off = along - along.mean()
+    slope = float(off @ values / (off @ off))
+    left = values - values.mean() - slope * off
+    square = max(float(left @ left), 1e-300)
+    alike = min(max(float(left[1:] @ left[:-1]) / square, 0.0), 0.95)
+    wider = (1.0 + alike) / (1.0 - alike)
+    return slope, math.sqrt(wider * square / (left.size - 2) / float(off @ off))

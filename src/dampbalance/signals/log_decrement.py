@@ -21,12 +21,12 @@ import numpy as np
 
 from ..arrays import Array
 from .band import NOISE_PASSED, Band, filtered
-from .bursts import Burst, Signal
+from .bursts import Burst, Signal, slope_of
 from .simpson import integrals
 
 _RANGES = 4  # of amplitudes, but one, of all modes together
 _RATIO = 1.6  # of the amplitudes of one, at least, where there are several
-_FEWEST_HALVES = 5  # in a range
+_FEWEST_HALVES = 4  # in a range
 _NOISE = 5.0  # times its standard deviation, to which the amplitude falls
 _UNEVEN = 0.4  # of a half cycle, by which its duration may be off
 _ENDS = 2  # half cycles at either end that the filter disturbs, at least: as long as a cycle of its bandwidth
@@ -119,7 +119,11 @@ def _modes(part: Signal, first: float) -> list[float]:
     for one in highest.tolist():
         ratios = [max(one / of, of / one) for of in modes]
         apart = min(abs(ratio - round(ratio)) for ratio in ratios) > _HARMONIC
-        if apart and min(abs(one - of) for of in modes) * n * part.dt > _LINES and one < 0.4 / part.dt:
+        if (
+            apart
+            and min(abs(one - of) for of in modes) * n * part.dt > _LINES
+            and one < 0.4 / part.dt
+        ):
             modes.append(one)
     return modes[:_MODES]
 
@@ -136,7 +140,7 @@ def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[Sw
     noise = part.noise * math.sqrt(2.0 * NOISE_PASSED * (band.high - band.low) * part.dt)
     noise /= (2.0 * math.pi * f) ** part.order
     regular = np.abs(2.0 * f * part.dt * np.diff(zeros) - 1.0) < _UNEVEN
-    goes_on = regular & (X > _NOISE * noise)
+    goes_on = regular & (_NOISE * noise < X)
     first = int(np.argmax(goes_on)) + ends
     count = int(np.argmin(np.append(goes_on[first:], False))) - ends
     if count < _FEWEST_HALVES:
@@ -152,8 +156,8 @@ def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[Sw
     rows = []
     for start, end in pairwise([*cuts, count]):
         places = np.arange(start, end + 1)
-        hertz, hertz_error = _slope(t[places], 0.5 * places)
-        fall, fall_error = _slope(0.5 * places[:-1], -logs[start:end])
+        hertz, hertz_error = slope_of(t[places], 0.5 * places)
+        fall, fall_error = slope_of(0.5 * places[:-1], -logs[start:end])
         ratio = fall / math.hypot(2.0 * math.pi, fall)
         X_middle = math.exp(float(logs[start:end].mean()))
         error = fall_error / (2.0 * math.pi) * (1.0 - ratio**2) ** 1.5
@@ -161,14 +165,3 @@ def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[Sw
         cycles = 0.5 * (end - start)
         rows.append(SwingDamping(mode, X_middle, cycles, hertz, hertz_error, ratio, error))
     return rows
-
-
-def _slope(along: Array, values: Array) -> tuple[float, float]:
-    """Return the slope of a straight line and its standard error, for residuals of which neighbours are correlated."""
-    off = along - along.mean()
-    slope = float(off @ values / (off @ off))
-    left = values - values.mean() - slope * off
-    square = max(float(left @ left), 1e-300)
-    alike = min(max(float(left[1:] @ left[:-1]) / square, 0.0), 0.95)
-    wider = (1.0 + alike) / (1.0 - alike)
-    return slope, math.sqrt(wider * square / (left.size - 2) / float(off @ off))
