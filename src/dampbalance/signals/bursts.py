@@ -116,7 +116,8 @@ def too_few_samples(a_cycle: float) -> str:
 
 def noise_of(values: Array) -> float:
     """Return the standard deviation of white noise on a smooth signal, from the third differences in the quietest part
-    of the record, or, of few samples a cycle, from the median of its spectrum; at least that of rounding and of the steps in which it was digitised."""
+    of the record, or, of few samples a cycle, from the median of its spectrum; at least that of rounding and of the
+    steps in which it was digitised."""
     steps = np.diff(np.unique(values))
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
@@ -176,8 +177,11 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
     parts = [slice(i, max(j - 2 * length, i + 1)) for i, j in pairwise([*peaks, swing.size])]
     steady = all(widest[part].min() > _DECAYED * swing[part.start] for part in parts)
-    half = round(0.5 * period / signal.dt)
-    if swing.size - peaks[0] > 4 * length and steady and not _falls(swing[parts[0]], half):
+    first, half = (
+        swing[peaks[0] : [*peaks, swing.size][1] - length],
+        round(0.5 * period / signal.dt),
+    )
+    if swing.size - peaks[0] > 4 * length and steady and not _falls(first, half):
         raise NoDecay("it swings as far at its end as at its start")
     bursts = []
     for before, i, stop in zip([0, *peaks], peaks, [*peaks[1:], swing.size - 1], strict=False):
@@ -201,8 +205,8 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
 
 
 def _falls(swing: Array, half: int) -> bool:
-    """Return whether swings fall, from one half cycle to the next, by more than noise makes them, and as much at the end
-    as at the beginning: a steady motion may still settle.   half : samples of a half cycle."""
+    """Return whether swings fall by more than noise makes them, and no less at the end than at the beginning, where a
+    steady motion settles.   half : samples of a half cycle."""
     sizes = np.log(np.maximum.reduceat(swing, np.arange(0, swing.size - half + 1, half)))
     if sizes.size < _FEWEST_FALLING:
         return False
