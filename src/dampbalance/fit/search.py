@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -223,7 +224,10 @@ def _of_excerpts(whole: Decay, swings: Swings, k: float) -> DecayFit | None:
     cycles = min(_EXCERPT, zeros.size // (2 * _EXCERPTS + 4))
     places = np.linspace(2.0 * _LATEST, zeros.size - 2 * cycles, _EXCERPTS).astype(int)
     parts = [whole.cut(t, t + cycles * whole.period) for t in zeros[places].tolist()]
-    fit = _grown([replace(one, whole=None) for one in parts], swings, k)
+    of_cycles = zeros.size // 2
+    if sys.stderr.isatty():
+        print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
+    fit = _grown([replace(one, whole=None, of_cycles=of_cycles) for one in parts], swings, k)
     if fit is None or fit.white:
         return fit and with_noise_of(fit)
     bent = with_one_more(fit)

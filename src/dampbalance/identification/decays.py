@@ -396,9 +396,9 @@ def _solved(
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         fit_notes.append(Finding("decays without friction"))
         notes.append(fit_notes[-1])
-    ringing = math.sqrt((fit.k + min(fit.K_z, 1e300)) / fit.m) / (2.0 * math.pi)
+    ringing = math.sqrt((fit.k + fit.K_z) / fit.m) / (2.0 * math.pi)
     dt = max(signal.dt for one in fit.decays for signal in one.signals)
-    if ringing > 0.5 / dt and not fit.K_z_interval[1] > 2.0 * fit.K_z:
+    if 0.5 / dt < ringing < math.inf and not fit.K_z_interval[1] > 2.0 * fit.K_z:
         of_ringing = {"hertz": ringing, "rate": 1.0 / dt}
         fit_notes.append(Finding("rings", of_ringing, {"K_z": math.inf}))
     errors = np.sqrt(np.diag(covariance)).tolist()
@@ -441,6 +441,7 @@ def _solved(
         condition, effects = condition_of(fit, further)
         conditions += condition
         conditions += condition_on_contact(fit, further)
+    decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
         basis=DecayBasis(fit, rows, further),
         k=fit.k,
@@ -448,10 +449,19 @@ def _solved(
         estimates={BALANCE: with_effects(answer, fit, effects)},
         reference=with_effects(reference, fit, effects),
         odd=(*warnings, *clipped_signals.values()),
-        head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
+        head=f"{_counted(len(sources), 'record')} with {_counted(len(decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
-        rig=[*rig, *conditions],
+        rig=[*rig, *_excerpts_of(fit), *conditions],
     )
+
+
+def _excerpts_of(fit: DecayFit) -> list[Finding]:
+    """Return a finding where excerpts of decays are fitted."""
+    excerpts = [one for one in fit.decays if one.of_cycles]
+    cycles = math.fsum((one.end - one.start) / one.period for one in excerpts)
+    longest = max((one.of_cycles for one in excerpts), default=0)
+    of = {"count": len(excerpts), "cycles": cycles, "all": longest}
+    return [Finding("decay excerpts", of)] if excerpts else []
 
 
 def _scatter_of(fit: DecayFit) -> list[Finding]:
