@@ -118,7 +118,7 @@ def _modes(part: Signal, first: float) -> list[float]:
     modes = [float(near[0])]
     for one in highest.tolist():
         ratios = [max(one / of, of / one) for of in modes]
-        apart = min(abs(ratio - round(ratio)) for ratio in ratios) > _HARMONIC
+        apart = all(abs(ratio / max(round(ratio), 2) - 1.0) > _HARMONIC for ratio in ratios)
         if (
             apart
             and min(abs(one - of) for of in modes) * n * part.dt > _LINES
