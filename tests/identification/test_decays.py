@@ -298,7 +298,7 @@ def closed_form(hertz, cycles, samples, order=0, noise=1e-3, m=0.1, **of):
 @pytest.mark.parametrize(
     ("cycles", "samples", "order", "of"),
     [
-        (3000, 13.7, 0, {"zeta": 1.5e-4, "stick": 2e-5}),  # excerpts are fitted
+        (1100, 13.7, 0, {"zeta": 4e-4, "stick": 5e-5}),  # excerpts are fitted
         (80, 7.13, 2, {"zeta": 4e-3, "stick": 1e-3}),
     ],
 )
@@ -312,9 +312,10 @@ def test_very_many_cycles_and_few_samples_of_each_are_identified(cycles, samples
 
 
 def test_a_contact_without_a_spring_is_no_stiffness():
-    decay, k, _ = closed_form(5.45, 10, 1200, 1, 1.6e-3, zeta=0.02, stick=0.03)
+    decay, k, _ = closed_form(11.5, 10, 600, 2, 5e-3, zeta=0.02, stick=0.03)
     found = identify_decay_records([decay], k)
-    assert math.isinf(found.intervals["K_z"].high) and found.verdicts["K_z"].verdict != USABLE
+    assert math.isinf(found.intervals["K_z"].high)
+    assert found.verdicts["K_z"].verdict != USABLE
 
 
 def test_a_decay_that_is_refused_shows_its_damping():

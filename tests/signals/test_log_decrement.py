@@ -34,7 +34,9 @@ def test_the_swings_show_the_damping_of_friction_and_damper_at_each_amplitude(or
     hertz, zeta, stick = 2.8, 0.004, 0.004
     t = np.arange(0.0, 60.0 / hertz, 1.0 / (samples * hertz))
     rows = rows_of(t, noisy(decay(t, hertz, zeta, stick, order), 1), order)
-    assert len(rows) > 2 and rows[0].X > 3.0 * rows[-1].X and {one.mode for one in rows} == {1}
+    assert len(rows) > 2
+    assert rows[0].X > 3.0 * rows[-1].X
+    assert {one.mode for one in rows} == {1}
     for one in rows:
         truth = zeta + 2.0 * stick / (math.pi * one.X)
         assert abs(one.ratio - truth) < 4.0 * one.ratio_error + 0.02 * truth

@@ -210,7 +210,7 @@ def _falls(swing: Array, half: int) -> bool:
     sizes = np.log(np.maximum.reduceat(swing, np.arange(0, swing.size - half + 1, half)))
     if sizes.size < _FEWEST_FALLING:
         return False
-    fall, error = slope_of(np.arange(sizes.size), -sizes)
+    fall, error = slope_of(np.arange(float(sizes.size)), -sizes)
     middle, n = sizes.size // 2, sizes.size - 1
     settles = sizes[middle] - sizes[n] < 0.3 * fall * (n - middle)
     return fall * n > max(_LEAST_FALL, SIGNIFICANT * error * n) and not settles

@@ -155,13 +155,14 @@ def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[Sw
             cuts.append(cut)
     rows = []
     for start, end in pairwise([*cuts, count]):
-        places = np.arange(start, end + 1)
-        hertz, hertz_error = slope_of(t[places], 0.5 * places)
-        fall, fall_error = slope_of(0.5 * places[:-1], -logs[start:end])
+        cycles = np.arange(end - start + 1) / 2.0
+        hertz, hertz_error = slope_of(t[start : end + 1], cycles)
+        fall, fall_error = slope_of(cycles[:-1], -logs[start:end])
         ratio = fall / math.hypot(2.0 * math.pi, fall)
         X_middle = math.exp(float(logs[start:end].mean()))
         error = fall_error / (2.0 * math.pi) * (1.0 - ratio**2) ** 1.5
         hertz_error = math.hypot(hertz_error, hertz * ratio**2)  # what the filter shifts
-        cycles = 0.5 * (end - start)
-        rows.append(SwingDamping(mode, X_middle, cycles, hertz, hertz_error, ratio, error))
+        rows.append(
+            SwingDamping(mode, X_middle, float(cycles[-1]), hertz, hertz_error, ratio, error)
+        )
     return rows
