@@ -217,8 +217,8 @@ def identify_decays(
 def _damping_of(records: Sequence[Record]) -> list[SwingDamping]:
     """Return frequency and damping over the amplitude of the records' largest decay; empty where there is none."""
     found: list[list[SwingDamping]] = []
-    for record in records:
-        signals = [_signal(record.corrected(), one, 0, []) for one in record.corrected().responses]
+    for record in (one.corrected() for one in records):
+        signals = [_signal(record, channel, 0, []) for channel in record.responses]
         with suppress(NoDecay):
             lead = sharpest(signals)
             found.append(damping_of(lead, bursts_of(lead)))

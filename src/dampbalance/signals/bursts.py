@@ -177,11 +177,9 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
     parts = [slice(i, max(j - 2 * length, i + 1)) for i, j in pairwise([*peaks, swing.size])]
     steady = all(widest[part].min() > _DECAYED * swing[part.start] for part in parts)
-    first, half = (
-        swing[peaks[0] : [*peaks, swing.size][1] - length],
-        round(0.5 * period / signal.dt),
-    )
-    if swing.size - peaks[0] > 4 * length and steady and not _falls(first, half):
+    first = swing[peaks[0] : [*peaks, swing.size][1] - length]
+    falls = _falls(first, round(0.5 * period / signal.dt))
+    if swing.size - peaks[0] > 4 * length and steady and not falls:
         raise NoDecay("it swings as far at its end as at its start")
     bursts = []
     for before, i, stop in zip([0, *peaks], peaks, [*peaks[1:], swing.size - 1], strict=False):

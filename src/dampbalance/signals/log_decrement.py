@@ -31,6 +31,7 @@ _NOISE = 5.0  # times its standard deviation, to which the amplitude falls
 _UNEVEN = 0.4  # of a half cycle, by which its duration may be off
 _ENDS = 1  # half cycles at either end that the filter disturbs, at least: as long as a cycle of its bandwidth
 _MODES = 3  # at most
+_FEWEST_SAMPLES, _SHORTEST = 20, 3.0  # samples of a decay, and of its cycle
 _SMALL_MODE = 1e-2  # of the largest power in the spectrum: a tenth of the speed
 _VALLEY = 10.0  # of the power of a peak over that of the valley before a larger one
 _BEAT = 0.2  # of a beat, by which bursts may be off it
@@ -82,6 +83,8 @@ def damping_of(signal: Signal, bursts: Sequence[Burst]) -> list[SwingDamping]:
     what follows it where that has the beats of two modes."""
     burst = max(bursts, key=lambda one: one.swing)
     part = signal.between(burst.turn, bursts[-1].end)
+    if part.values.size < _FEWEST_SAMPLES or burst.period < _SHORTEST * signal.dt:
+        return []
     frequencies = _modes(part, 1.0 / burst.period)
     apart = np.diff([one.turn for one in bursts if one.turn >= burst.turn])
     if apart.size:
