@@ -32,6 +32,7 @@ from fit.exact import fitted, point_of
 from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
 from identification.releases import FAR, PLUCKED, struck
+from signals.exact_decays import decay as exact_decay
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
 OSCILLATOR = Oscillator(PLUCKED.m, PLUCKED.c, PLUCKED.k, PLUCKED.K_z, PLUCKED.F_k)
@@ -283,6 +284,45 @@ def test_a_decay_of_two_half_cycles_is_identified(height, lead):
     found = identify_decay_records([record(decay)[0]], decay.k)
     assert abs(found.values["F_k"] - decay.F_k) < FAR * found.standard_errors["F_k"]
     assert found.standard_errors["F_k"] < 0.1 * decay.F_k
+
+
+def closed_form(hertz, cycles, samples, order=0, noise=1e-3, m=0.1, **of):
+    """A release from 1 mm without a contact spring, and its k, c and F_k."""
+    k, t = m * (2.0 * math.pi * hertz) ** 2, np.arange(cycles * samples) / (samples * hertz)
+    values = 1e-3 * exact_decay(t, hertz, of["zeta"], of["stick"], order)
+    values += noise * np.abs(values).max() * np.random.default_rng(1).standard_normal(t.size)
+    truth = {"c": 2.0 * of["zeta"] * math.sqrt(k * m), "F_k": 1e-3 * of["stick"] * k}
+    return Record.of("closed form", [Channel(QUANTITIES[order], t, values)]), k, truth
+
+
+@pytest.mark.parametrize(
+    ("cycles", "samples", "order", "of"),
+    [
+        (1100, 13.7, 0, {"zeta": 4e-4, "stick": 5e-5}),  # excerpts are fitted
+        (80, 7.13, 2, {"zeta": 4e-3, "stick": 1e-3}),
+    ],
+)
+def test_very_many_cycles_and_few_samples_of_each_are_identified(cycles, samples, order, of):
+    decay, k, truth = closed_form(2.8, cycles, samples, order, **of)
+    found = identify(decay, k, kind="ring-down")
+    for symbol, value in truth.items():
+        assert abs(found.values[symbol] - value) < FAR * found.standard_errors[symbol]
+        assert found.standard_errors[symbol] < 0.1 * value
+    assert found.natural_frequency == pytest.approx(2.8, rel=1e-5)
+
+
+def test_a_contact_without_a_spring_is_no_stiffness():
+    decay, k, _ = closed_form(11.5, 10, 600, 2, 5e-3, zeta=0.02, stick=0.03)
+    found = identify_decay_records([decay], k)
+    assert math.isinf(found.intervals["K_z"].high)
+    assert found.verdicts["K_z"].verdict != USABLE
+
+
+def test_a_decay_that_is_refused_shows_its_damping():
+    decay, _, _ = closed_form(2.8, 30, 50.0, zeta=5e-3, stick=2e-3)
+    with pytest.raises(ValueError, match="stiffness") as refused:
+        identify(decay)
+    assert refused.value.__notes__
 
 
 def test_too_few_samples_a_cycle_are_counted():

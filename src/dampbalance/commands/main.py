@@ -72,7 +72,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         answered = options.run(options)
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
-        text = _NO_MEMORY if isinstance(error, MemoryError) else str(error)
+        notes = getattr(error, "__notes__", [])
+        text = _NO_MEMORY if isinstance(error, MemoryError) else "\n\n".join([str(error), *notes])
         shown = "\n".join(cut(visible(line), _LONGEST) for line in text.split("\n"))
         print(f"dampbalance {options.command}: error: {shown}", file=sys.stderr)
         return 2

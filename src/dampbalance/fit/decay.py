@@ -61,6 +61,8 @@ _LOOSEST, _STIFFEST = (
     1e-4,
     1e5,
 )  # of K_z/k: contacts that stand for none and for a rigid one, to 1e-5 of F_k/k
+# of K_z/k: a limit above is none, as a mass at rest rings on such a contact between samples, and not on a rigid one
+_AS_RIGID = 1e4
 _DAMPED = 2.0  # of c over √(km): a motion that still oscillates
 _MASS_RANGE = 10.0  # of the mass over that of the start, either way: three times the period
 _UNNOTICED = 1e-9  # of the force of the spring: a friction that no motion shows
@@ -85,7 +87,8 @@ class Decay:
 
     source : of its record.   start, end : s.   signals : its channels, cut to the decay.   period : of the motion, s,
     about.   friction : number of its friction force, 0 for the first, which all decays share by default.   whole : the
-    decay with all samples of its record, of which this one is a part, up to the next release.
+    decay with all samples of its record, of which this one is a part, up to the next release.   of_cycles : cycles of
+    the long decay of which this is an excerpt, 0 for none.
     """
 
     source: str
@@ -95,6 +98,7 @@ class Decay:
     period: float
     friction: int = 0
     whole: Decay | None = None
+    of_cycles: int = 0
 
     def cut(self, start: float, end: float) -> Decay:
         """Return the part of the decay between two times, s."""
@@ -437,7 +441,8 @@ class DecayFit(Fit):
             reach = math.sqrt(max(NORMAL_95**2 - (one.chi_square - self.chi_square), 0.0))
             reach *= one.error(name)
             low, high = min(low, one.value(name) - reach), max(high, one.value(name) + reach)
-        return low, high
+        as_rigid = name == "rho" and low * math.sqrt(_AS_RIGID * self.k) < 1.0
+        return (0.0 if as_rigid else low), high
 
     def places(self, i: int) -> slice:
         """Return places of the start state x, ẋ, w of decay i in the point."""

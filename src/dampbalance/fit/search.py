@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -26,8 +27,9 @@ from scipy import special
 from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_X
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
-from ..signals.band import Band, filtered
-from ..signals.bursts import Burst, Signal, bursts_of
+from ..signals.band import Band
+from ..signals.bursts import Burst, Signal, bursts_of, sharpest
+from ..signals.log_decrement import displacement_in
 from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
 from .decay import COMMON, FURTHER, STATE, Decay, DecayFit, DecayProblem, with_noise_of
@@ -70,6 +72,8 @@ _SEVERAL = 3  # steps back that are looked at together
 _SETTLED = (
     1.25  # times the least mean square of the residual in the band: a start that disturbs nothing
 )
+_LONG = 300  # cycles of a decay, of more of which excerpts are fitted
+_EXCERPTS, _EXCERPT = 8, 150  # their number, and the cycles of each at most
 _LATEST = 3.0  # cycles after the turn, to which a disturbance of the release may last
 _LONGER = 1.5  # growth of a tail: the phase of the ringing is known half as far ahead again
 _OTHER_MOTION = 0.3  # of the motion in its band: a residual so large is none of an oscillator
@@ -91,7 +95,7 @@ def separate_fits(
     source : of the record.   signals : its channels, their offsets numbered through all records.   k : N/m.
     Raises NoDecay.
     """
-    lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
+    lead = sharpest(signals)
     bursts = bursts_of(lead)
     fits: dict[Burst, DecayFit] = {}
     surest = None
@@ -101,7 +105,7 @@ def separate_fits(
                 continue
             # a motion that is none of an oscillator does not say how far it goes
             sure = {b: fit for b, fit in fits.items() if fit.white}
-            before = (fit.decays[0].end for b, fit in sure.items() if b.turn < burst.turn)
+            before = (fit.decays[-1].end for b, fit in sure.items() if b.turn < burst.turn)
             earliest = max(burst.earliest, *before, -math.inf)
             fit = _of_burst(source, signals, lead, replace(burst, earliest=earliest), k, surest)
             if fit is not None and (burst not in fits or fit.white):
@@ -143,8 +147,10 @@ def _of_burst(
         return None
     period = swings.period
     whole = Decay(source, burst.turn, burst.end, tuple(signals), period)
+    if swings.zeros.size > 2 * _LONG:
+        return _of_excerpts(whole, swings, k)
     starts = [t for t in swings.zeros if t > burst.turn - 0.3 * period]
-    fit = _grown(whole, swings, starts[0], k, surest) if starts else None
+    fit = _grown([whole.cut(starts[0], whole.end)], swings, k, surest) if starts else None
     if fit is None:
         return None
     bent = fit if fit.white else with_one_more(fit)
@@ -175,7 +181,8 @@ class Swings:
         part = lead.between(burst.earliest, burst.end)
         self.swing, self.period = burst.swing, burst.period
         for _ in range(2):
-            x = self._displacement(part)
+            band = Band.about(1.0 / max(self.period, _SHORTEST * part.dt), part.dt)
+            x = displacement_in(part, band)
             at = np.flatnonzero(x[:-1] * x[1:] <= 0.0)
             share = x[at] / np.where(x[at] == x[at + 1], 1.0, x[at] - x[at + 1])
             zeros = part.t[at] + share * part.dt
@@ -190,14 +197,6 @@ class Swings:
         self.zeros, self.sizes = zeros[inside], tops[:-1] + tops[1:]
         signs = np.sign(x[at + 1] - x[at])[inside]
         self.speeds = signs * np.append(tops, tops[-1:]) * 2.0 * math.pi / self.period
-
-    def _displacement(self, part: Signal) -> Array:
-        """Return the displacement in the band of the mode, m, of a channel of any order."""
-        band = Band.about(1.0 / max(self.period, _SHORTEST * part.dt), part.dt)
-        x = filtered(part.values, part.dt, band)
-        for _ in range(part.order):
-            x = filtered(np.cumsum(x) * part.dt, part.dt, band)
-        return np.asarray(x)
 
     def start_at(self, t: float) -> Array:
         """Return the state x, ẋ, w at the zero next to a time."""
@@ -218,32 +217,50 @@ class Swings:
         return -k * float(lost) / (2.0 * (1.0 + ratio)), 2.0 * zeta * math.sqrt(k * m), m
 
 
+def _of_excerpts(whole: Decay, swings: Swings, k: float) -> DecayFit | None:
+    """Return the fit of some excerpts of a decay of very many cycles, each with a start state: they share F_k, c and m,
+    and take little time. The first begins after what the release disturbs."""
+    zeros = swings.zeros
+    cycles = min(_EXCERPT, zeros.size // (2 * _EXCERPTS + 4))
+    places = np.linspace(2.0 * _LATEST, zeros.size - 2 * cycles, _EXCERPTS).astype(int)
+    parts = [whole.cut(t, t + cycles * whole.period) for t in zeros[places].tolist()]
+    of_cycles = zeros.size // 2
+    if sys.stderr.isatty():
+        print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
+    fit = _grown([replace(one, whole=None, of_cycles=of_cycles) for one in parts], swings, k)
+    if fit is None or fit.white:
+        return fit and with_noise_of(fit)
+    bent = with_one_more(fit)
+    return with_noise_of(bent) if bent is not None and bent.white else in_the_band(fit)
+
+
 def _grown(
-    whole: Decay, swings: Swings, start: float, k: float, surest: DecayFit | None = None
+    parts: Sequence[Decay], swings: Swings, k: float, surest: DecayFit | None = None
 ) -> DecayFit | None:
-    """Return the best fit of a decay from the middle of a swing on, over windows that grow."""
+    """Return the best fit of a decay, or of excerpts of it, from the middle of a swing on, over windows that grow."""
     F_k, c, m = swings.oscillator(k)
-    state = swings.start_at(start)
-    v = float(state[1])
-    part = whole.cut(start, whole.end)
-    problem = DecayProblem((part,), k)
+    states = [swings.start_at(one.start) for one in parts]
+    v = float(states[0][1])
+    problem = DecayProblem(tuple(parts), k)
     offsets = np.zeros(problem.offsets)
-    for signal in part.signals:
+    for signal in parts[0].signals:
         offsets[signal.offset] = float(np.median(signal.values[-(signal.values.size // 4) - 1 :]))
     # the loss of a swing by friction and by damping, with all of it in other shares
     per_c = 0.25 * math.pi * abs(v)
     loss = F_k + per_c * c
     mixtures = [(F_k, c), *((share * loss, (1.0 - share) * loss / per_c) for share in _SHARES)]
     points = [
-        problem.point(np.array([f, d, 1.0 / math.sqrt(stiff * k), m]), offsets, [state])
+        problem.point(np.array([f, d, 1.0 / math.sqrt(stiff * k), m]), offsets, states)
         for f, d in mixtures
         for stiff in _FIRST_STIFFNESSES
     ]
     if surest is not None:
-        points.append(problem.point(surest.point[: len(COMMON)], offsets, [state]))
-    length = _FIRST * whole.period
-    while (end := start + length) < whole.end:
-        window = replace(problem, decays=(part.cut(start, end),))
+        points.append(problem.point(surest.point[: len(COMMON)], offsets, states))
+    length = _FIRST * parts[0].period
+    while parts[0].start + length < parts[0].end:
+        window = replace(
+            problem, decays=tuple(one.cut(one.start, one.start + length) for one in parts)
+        )
         if window.samples >= _FEWEST_SAMPLES:
             ends = climbs(window.thinned(), points, math.inf)
             points = [one.point for one in ends] or points
@@ -254,8 +271,8 @@ def _grown(
         return None
     problem = _until_rest(problem, thin.fit(ends[0]))
     fit = _first(minimise(problem, [one.point for one in ends]))
-    if fit is None:
-        return None
+    if fit is None or len(parts) > 1:
+        return fit
     # another number of half cycles, or of those that friction takes, is another minimum
     loss = fit.F_k + per_c * fit.c
     contacts = [
@@ -433,7 +450,7 @@ def _band_from_earliest(
     end = min(whole.end, max(fit.decays[0].end, float(swings.zeros[-1]) + whole.period))
     last = min(starts[0] + _LATEST * whole.period, end - 2.0 * _FIRST * whole.period)
     early = [t for t in starts if t <= last] or [*starts[:1]]
-    late = None if len(early) == 1 else _grown(whole, swings, early[-1], fit.k)
+    late = None if len(early) == 1 else _grown([whole.cut(early[-1], whole.end)], swings, fit.k)
     points = [one.point for one in (fit, late) if one is not None]
     for stiffness in _FIRST_STIFFNESSES:
         points.append(points[-1].copy())
@@ -511,7 +528,7 @@ def without_spring(fit: DecayFit) -> DecayFit:
 
 
 def slips_of(fit: DecayFit) -> int:
-    """Return the number of phases in which the mass of a separate fit slips."""
+    """Return the number of phases in which the mass of a separate fit slips, in the first of its excerpts."""
     return int(np.count_nonzero(fit.phases(0)[:, PHASE_S]))
 
 
@@ -564,7 +581,9 @@ def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:
 
 def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool = False) -> DecayFit | None:
     """Return the fit of all decays, with one friction force or one for each: from the minima of each in turn."""
-    decays = tuple(replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits))
+    decays = tuple(
+        replace(one, friction=i * own_frictions) for i, fit in enumerate(fits) for one in fit.decays
+    )
     bands = [fit.problem.band for fit in fits if fit.problem.band is not None]
     free = dict.fromkeys(name for fit in fits for name in fit.problem.free)
     problem = DecayProblem(decays, fits[0].k, bands[0] if bands else None, tuple(free))
@@ -572,14 +591,15 @@ def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool = False) -
     for fit in fits:
         for signal in fit.decays[0].signals:
             offsets[signal.offset] = fit.point[len(COMMON) + signal.offset]
+    separate = [(fit, i) for fit in fits for i in range(len(fit.decays))]
     surest = sorted(fits, key=lambda fit: -fit.samples / (1.0 + fit.misfit))
     points = []
     for one in (minimum for fit in surest[:3] for minimum in (fit, *fit.minima)):
         point = problem.point(
-            one.point[: len(COMMON)], offsets, [fit.point[-STATE:] for fit in fits]
+            one.point[: len(COMMON)], offsets, [fit.point[fit.places(i)] for fit, i in separate]
         )
         if own_frictions:
-            for place, fit in zip(problem.friction_places, fits, strict=True):
+            for place, (fit, _) in zip(problem.friction_places, separate, strict=True):
                 point[place] = fit.point[F_K]
         points.append(point)
     return _first(minimise(problem, points, scanned=""))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
@@ -29,11 +30,13 @@ from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
 from ..records.mapping import MappingLike
+from ..records.measured import as_records
 from ..records.record import Record
-from ..signals.bursts import NoDecay, Signal, noise_of, too_few_samples
+from ..signals.bursts import NoDecay, Signal, bursts_of, noise_of, sharpest, too_few_samples
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
 from ..signals.drive import stands_still
+from ..signals.log_decrement import SwingDamping, damping_of
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95, solve
@@ -60,10 +63,9 @@ from .decay_laws import (
 )
 from .diagnosis import on_mass
 from .half_cycles import A, B, DecayRows, W, rows_of
-from .level import Level
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
-from .screen import implied
+from .screen import damping_table, implied
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
 
@@ -74,7 +76,6 @@ if TYPE_CHECKING:
 _LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 # Of the motion, that a contact, a spring or a sensor which is not linear makes.
 _HARMONICS = (1, 2, 3, 5)
-_SWINGS = 6  # of a decay whose equivalent damping is listed
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
 
@@ -84,12 +85,13 @@ class DecayBasis:
     """What the answers to records of free decays rest on.
 
     fit : of one oscillator to all samples; the balance has its stick.   half_cycles : rows of the balance.
-    departures : what each further coefficient would explain.
+    departures : what each further coefficient would explain.   damping : over the amplitude, from the swings.
     """
 
     fit: DecayFit
     half_cycles: DecayRows
     departures: Sequence[Departure]
+    damping: Sequence[SwingDamping] = ()
 
     kind: ClassVar[str] = "ring-down"
     mass_tests: ClassVar[bool] = True
@@ -127,19 +129,9 @@ class DecayBasis:
             "turns_standard_error_m": errors,
         }
 
-    def levels(self, found: Result[Any]) -> list[Level]:
-        """Return cycles of each decay, spread over it, and what each loses."""
-        rows, levels, mean = self.half_cycles, [], found.values["F_k"]
-        for i, (turns, _) in enumerate(rows.turns):
-            of = rows.columns[rows.decay == i]
-            own = self.fit.point_of(i)[0] - self.fit.F_k  # zero where all decays share one
-            spread = np.linspace(0, len(of) - 1, _SWINGS if len(of) else 0)
-            for n in np.unique(spread.round().astype(int)):
-                t, x = turns[n : n + 3].T
-                X, omega = 0.25 * float(np.abs(np.diff(x)).sum()), 2.0 * math.pi / (t[2] - t[0])
-                name = f"decay {i + 1} at {t[0]:.3g} s"
-                levels.append(Level(name, X, omega, 2.0 * of[n, W], 2.0 * (mean + own) * of[n, A]))
-        return levels
+    def levels(self, found: Result[Any]) -> list[SwingDamping]:
+        """Return what the swings show of frequency and damping over the amplitude, whatever the fit says."""
+        return [*self.damping]
 
     def shifts(
         self, found: Result[Any], faults: Mapping[str, Fault], name: str
@@ -168,6 +160,8 @@ class DecayBasis:
         from . import pictures as drawn  # slow to import
 
         pictures = {"decays": Picture(drawn.decays, (self.fit, self.half_cycles.turns))}
+        if self.damping:
+            pictures["damping"] = Picture(drawn.damping, (self.damping,))
         if len(self.half_cycles.columns):
             pictures["balance"] = Picture(drawn.balance, (found.approaches, False))
         return pictures
@@ -205,7 +199,40 @@ def identify_decays(
     {'F_k': 0.5, 'c': 1.0}
     """
     given = {"stiffness": stiffness, **options}
-    return _of_records(*read_request("ring-down", records, mapping, given))
+    try:
+        read, asked_for = read_request("ring-down", records, mapping, given)
+    except ValueError as error:
+        if stiffness is None and given.get("mass") is None:
+            read = as_records(records, mapping=mapping, free=True)
+            raise _with_damping(error, read, _damping_of(read)) from None
+        raise
+    damping = _damping_of(read)
+    try:
+        found = _of_records(read, asked_for)
+    except ValueError as error:
+        raise _with_damping(error, read, damping) from None
+    return replace(found, basis=replace(found.basis, damping=damping))
+
+
+@one_thread
+def _damping_of(records: Sequence[Record]) -> list[SwingDamping]:
+    """Return frequency and damping over the amplitude of the records' largest decay; empty where there is none."""
+    found: list[list[SwingDamping]] = []
+    for record in (one.corrected() for one in records):
+        signals = [_signal(record, channel, 0, []) for channel in record.responses]
+        with suppress(NoDecay):
+            lead = sharpest(signals)
+            found.append(damping_of(lead, bursts_of(lead)))
+    return max(found, key=lambda rows: rows[0].X if rows else 0.0, default=[])
+
+
+def _with_damping(
+    error: ValueError, records: Sequence[Record], damping: Sequence[SwingDamping]
+) -> ValueError:
+    """Return an error with the table of the damping as a note: the swings show it without a fit."""
+    if damping:
+        error.add_note("\n".join(damping_table(damping, records[0].coordinate)))
+    return error
 
 
 def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Result[DecayBasis]:
@@ -370,9 +397,9 @@ def _solved(
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         fit_notes.append(Finding("decays without friction"))
         notes.append(fit_notes[-1])
-    ringing = math.sqrt((fit.k + min(fit.K_z, 1e300)) / fit.m) / (2.0 * math.pi)
+    ringing = math.sqrt((fit.k + fit.K_z) / fit.m) / (2.0 * math.pi)
     dt = max(signal.dt for one in fit.decays for signal in one.signals)
-    if ringing > 0.5 / dt and not fit.K_z_interval[1] > 2.0 * fit.K_z:
+    if 0.5 / dt < ringing < math.inf and not fit.K_z_interval[1] > 2.0 * fit.K_z:
         of_ringing = {"hertz": ringing, "rate": 1.0 / dt}
         fit_notes.append(Finding("rings", of_ringing, {"K_z": math.inf}))
     errors = np.sqrt(np.diag(covariance)).tolist()
@@ -415,6 +442,7 @@ def _solved(
         condition, effects = condition_of(fit, further)
         conditions += condition
         conditions += condition_on_contact(fit, further)
+    decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
         basis=DecayBasis(fit, rows, further),
         k=fit.k,
@@ -422,10 +450,19 @@ def _solved(
         estimates={BALANCE: with_effects(answer, fit, effects)},
         reference=with_effects(reference, fit, effects),
         odd=(*warnings, *clipped_signals.values()),
-        head=f"{_counted(len(sources), 'record')} with {_counted(len(fit.decays), 'free decay')}, "
+        head=f"{_counted(len(sources), 'record')} with {_counted(len(decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
-        rig=[*rig, *conditions],
+        rig=[*rig, *_excerpts_of(fit), *conditions],
     )
+
+
+def _excerpts_of(fit: DecayFit) -> list[Finding]:
+    """Return a finding where excerpts of decays are fitted."""
+    excerpts = [one for one in fit.decays if one.of_cycles]
+    cycles = math.fsum((one.end - one.start) / one.period for one in excerpts)
+    longest = max((one.of_cycles for one in excerpts), default=0)
+    of = {"count": len(excerpts), "cycles": cycles, "all": longest}
+    return [Finding("decay excerpts", of)] if excerpts else []
 
 
 def _scatter_of(fit: DecayFit) -> list[Finding]:

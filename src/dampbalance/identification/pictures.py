@@ -34,7 +34,9 @@ from ..project.wording import cut
 from ..records.channel import ORDERS
 from ..records.coordinate import Coordinate
 from ..records.record import Record
+from ..signals.log_decrement import SwingDamping
 from ..signals.mean_harmonics import Reading
+from ..solver import NORMAL_95
 from .answer import Answer
 from .loading import excerpt
 
@@ -218,6 +220,34 @@ def decays(fit: DecayFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) 
         _with_residual(axes, below, t, residual, (one.start, end), of.label(symbol, unit))
         below.set_xlabel("$t$ (s)", labelpad=1.0)
     return explained(figure, panels)
+
+
+@styled()
+def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
+    """Return damping ratio and frequency over the amplitude, with their 95 % intervals, a colour for each mode."""
+    figure = page(DOUBLE_COLUMN, 74.0)
+    left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
+    for mode, colour in zip(sorted({one.mode for one in rows}), (STICK, SLIP, FAINT), strict=False):
+        own = [one for one in rows if one.mode == mode]
+        X = [1e3 * one.X for one in own]
+        look: dict[str, Any] = {"fmt": "o-", "color": colour, "markersize": 3.0, "linewidth": 0.6}
+        zeta, error = (
+            [100.0 * one.ratio for one in own],
+            [100.0 * NORMAL_95 * one.ratio_error for one in own],
+        )
+        left.errorbar(X, zeta, error, label=f"mode {mode}", **look)
+        hertz, error = [one.hertz for one in own], [NORMAL_95 * one.hertz_error for one in own]
+        right.errorbar(X, np.array(hertz) / hertz[0], np.array(error) / hertz[0], **look)
+    left.set_ylabel(r"$\zeta$ (%)")
+    left.set_ylim(bottom=0.0)
+    right.set_ylabel("$f$ / $f$ of the largest amplitude")
+    right.ticklabel_format(axis="y", useOffset=False)
+    for axes in (left, right):
+        axes.set_xlim(left=0.0)
+        axes.set_xlabel(of.label("X", "mm"))
+    if rows[-1].mode > 1:
+        figure.legend(*left.get_legend_handles_labels(), loc="lower center", ncols=3)
+    return figure
 
 
 def _with_residual(

@@ -17,6 +17,7 @@ from ..findings.words import sentence, unit_of
 from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.record import Record
+from ..signals.log_decrement import SwingDamping
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
 from .law_comparison import LawComparison
 from .level import Level, damping_ratio
@@ -54,8 +55,8 @@ class Basis(Protocol):
         """Return what was read off the records and follows from them, for the document; `records` has an entry for
         each."""
 
-    def levels(self, found: Result[Any]) -> list[Level]:
-        """Return cycles of the motion, what each loses: of each forced record, or of swings of a free decay."""
+    def levels(self, found: Result[Any]) -> Sequence[Level | SwingDamping]:
+        """Return cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the pictures of `outputs.PICTURES` by name, those that have something to show."""
@@ -120,8 +121,8 @@ class Result(Generic[B]):
         return self.records[0].coordinate if self.records else TRANSLATION
 
     @property
-    def levels(self) -> list[Level]:
-        """Cycles of the motion, what each loses: of each forced record, or of swings of a free decay."""
+    def levels(self) -> Sequence[Level | SwingDamping]:
+        """Cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
         return self.basis.levels(self)
 
     @property
@@ -157,8 +158,8 @@ class Result(Generic[B]):
     def figures(self) -> tuple[str, ...]:
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
         folded onto one cycle), friction (force against displacement) and balance (its rows, and what they leave);
-        of free decays decays (each with the motion fitted to it); of a stepped sine loss and stiffness (against
-        the amplitude) and distribution (of the contact over the amplitude at which it slips)."""
+        of free decays decays (each with the motion fitted to it) and damping (over the amplitude); of a stepped sine
+        loss and stiffness (against the amplitude) and distribution (of the contact over the amplitude at which it slips)."""
         return tuple(self.pictures)
 
     @property

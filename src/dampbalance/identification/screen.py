@@ -28,9 +28,11 @@ from ..project.wording import (
     with_unit,
 )
 from ..records.coordinate import Coordinate
+from ..signals.log_decrement import SwingDamping
+from ..solver import NORMAL_95
 from .answer import USABLE, ParameterEstimate, Verdict
 from .law_comparison import LawComparison, Probability
-from .level import damping_ratio
+from .level import Level, damping_ratio
 
 if TYPE_CHECKING:
     from .result import Result
@@ -59,7 +61,8 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     check = agreement(found) if found.check is None else " ".join(found.in_sentences(found.check))
     numbers = wrapped([*damping_of(found), check], width)
     causes = wrapped([f"- {one}" for one in causes], width)
-    parts = [causes, table_of(found), numbers] if first else [numbers, causes]
+    swings = damping_table(found.levels, found.coordinate)
+    parts = [causes, table_of(found), numbers, swings] if first else [numbers, swings, causes]
     more = f"{left} more and " * bool(left) + "all numbers"
     last = f"See {details} for {more}, and for what they depend on."
     table, tests = measured_of_levels(found, width, _LEVELS), comparison(found, width)
@@ -71,7 +74,8 @@ def details(found: Result[Any], width: int | None = None) -> str:
     said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
     numbers = [*wrapped([found.head], width), "", *table_of(found), "", *said]
     tests = comparison(found, width)
-    numbers += ["", *tests] if tests else []
+    swings = damping_table(found.levels, found.coordinate)
+    numbers += [line for table in (swings, tests) if table for line in ("", *table)]
     heading = "Causes and remedies" if found.unanswered else "What limits the answer"
     limits = limiting(found)
     causes = [f"{heading}:", *wrapped(limits, width)] if limits else []
@@ -265,7 +269,8 @@ def damping_of(found: Result[Any]) -> list[str]:
         sentences.append(
             f"{known}, f_n = {hertz} Hz{zeta}. If your rig differs, check gains, units and k."
         )
-    sizes = sorted((of for of in found.levels if of.W > 0.0 and k > 0.0), key=lambda of: of.X)
+    cycles = [of for of in found.levels if isinstance(of, Level) and of.W > 0.0 and k > 0.0]
+    sizes = sorted(cycles, key=lambda of: of.X)
     if sizes:
         at = [
             f"η = {number_text(level.loss_factor(k), 3)}"
@@ -275,6 +280,22 @@ def damping_of(found: Result[Any]) -> list[str]:
         ]
         sentences.append(f"With friction: {'; '.join(at)}.")
     return sentences
+
+
+def damping_table(levels: Sequence[Level | SwingDamping], coordinate: Coordinate) -> list[str]:
+    """Return frequency and damping over the amplitude as lines, of free decays; empty for other records."""
+    rows = [of for of in levels if isinstance(of, SwingDamping)]
+    if not rows:
+        return []
+    several = rows[-1].mode > 1
+    heads = [f"X ({coordinate.unit('mm')})", "f (Hz)", "ζ (%)", "η", "cycles"]
+    table = [["mode"] * several + heads]
+    for of in rows:
+        hertz = with_error(of.hertz, NORMAL_95 * of.hertz_error)
+        ratio = with_error(100.0 * of.ratio, 100.0 * NORMAL_95 * of.ratio_error)
+        cells = [number_text(1e3 * of.X, 3), hertz, ratio, number_text(2.0 * of.ratio, 3)]
+        table.append([str(of.mode)] * several + [*cells, f"{of.cycles:g}"])
+    return ["Damping over the amplitude, from the swings alone, at 95 %:", *aligned(table)]
 
 
 def wrapped(lines: Iterable[str], width: int | None) -> list[str]:

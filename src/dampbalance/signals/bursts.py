@@ -8,12 +8,14 @@ ringing of the stuck mass dominates.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from ..arrays import Array, Mask
-from .thresholds import RARE_LINE
+from .thresholds import RARE_LINE, SIGNIFICANT
 
 _BAND = 1.25  # ratio of its upper end to its centre: a decay is no sharp line
 _WINDOW = 0.6  # cycles, in which a decay passes two turns
@@ -24,8 +26,11 @@ _CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
 _SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones determine F_k poorly
 # relative to its first swing: a decay falls below it, a steady motion with noise does not
 _DECAYED = 0.85
+_LEAST_FALL, _FEWEST_FALLING = 0.04, 4  # of ln of the swings of another decay; half cycles of it
 _RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
+_ALIKE = 0.9  # of two swings of one decay, of which the samples, seven a cycle, may miss a tenth
 _QUIET_SAMPLES = 200  # least number in a part, whose median is then known to 11 %
+_FEW_SAMPLES = 14  # a cycle: of more, third differences show the noise
 _FEWEST_CYCLES = 1.5  # in a record, of a motion that slips in two half cycles
 
 
@@ -111,14 +116,23 @@ def too_few_samples(a_cycle: float) -> str:
 
 def noise_of(values: Array) -> float:
     """Return the standard deviation of white noise on a smooth signal, from the third differences in the quietest part
-    of the record; at least that of rounding and of the steps in which it was digitised."""
+    of the record, or, of few samples a cycle, from the median of its spectrum; at least that of rounding and of the
+    steps in which it was digitised."""
     steps = np.diff(np.unique(values))
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
     parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
     # third differences of white noise have 1 + 9 + 9 + 1 times its variance; 1.4826 medians are a standard deviation
     quiet = 1.4826 * min(float(np.median(part)) for part in parts) / math.sqrt(20.0)
+    power = np.abs(np.fft.rfft(values - values.mean())) ** 2
+    if _FEW_SAMPLES * int(np.argmax(power)) > values.size:  # their third differences are motion
+        quiet = min(quiet, math.sqrt(float(np.median(power)) / values.size / math.log(2.0)))
     return max(quiet, digits, least_noise(values))
+
+
+def sharpest(signals: Sequence[Signal]) -> Signal:
+    """Return the channel whose motion is the largest multiple of its noise."""
+    return max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
 
 
 def least_noise(values: Array) -> float:
@@ -156,15 +170,16 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
     clear = _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width)
     least = max(_SMALLEST_BURST * float(swing.max()), clear)
-    peaks = _peaks(swing, length, least)
+    peaks = _peaks(swing, length, least, clear)
     if not peaks:
         raise NoDecay("no decaying motion in it exceeds the noise")
     # over two windows lies a whole cycle, and its largest swing; two cycles show no steady motion yet
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
-    if swing.size - peaks[0] > 4 * length and all(
-        widest[i : max(j - 2 * length, i + 1)].min() > _DECAYED * swing[i]
-        for i, j in zip(peaks, [*peaks[1:], swing.size], strict=True)
-    ):
+    parts = [slice(i, max(j - 2 * length, i + 1)) for i, j in pairwise([*peaks, swing.size])]
+    steady = all(widest[part].min() > _DECAYED * swing[part.start] for part in parts)
+    first = swing[peaks[0] : [*peaks, swing.size][1] - length]
+    falls = _falls(first, round(0.5 * period / signal.dt))
+    if swing.size - peaks[0] > 4 * length and steady and not falls:
         raise NoDecay("it swings as far at its end as at its start")
     bursts = []
     for before, i, stop in zip([0, *peaks], peaks, [*peaks[1:], swing.size - 1], strict=False):
@@ -187,16 +202,32 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     return bursts
 
 
-def _peaks(swing: Array, length: int, least: float) -> list[int]:
-    """Return indices where the swing has a local maximum above `least`, after having been much smaller."""
+def _falls(swing: Array, half: int) -> bool:
+    """Return whether swings fall by more than noise makes them, and no less at the end than at the beginning, where a
+    steady motion settles.   half : samples of a half cycle."""
+    sizes = np.log(np.maximum.reduceat(swing, np.arange(0, swing.size - half + 1, half)))
+    if sizes.size < _FEWEST_FALLING:
+        return False
+    fall, error = slope_of(np.arange(float(sizes.size)), -sizes)
+    middle, n = sizes.size // 2, sizes.size - 1
+    settles = sizes[middle] - sizes[n] < 0.3 * fall * (n - middle)
+    return fall * n > max(_LEAST_FALL, SIGNIFICANT * error * n) and not settles
+
+
+def _peaks(swing: Array, length: int, least: float, clear: float) -> list[int]:
+    """Return indices where the swing has a local maximum above `least`, after having been smaller by much more than
+    noise makes it, half of what is `clear`."""
     from scipy.ndimage import maximum_filter1d
 
     around = maximum_filter1d(swing, 4 * length + 1, mode="nearest")
+    # the largest of the half cycle up to there: in between the swing over the window is a third less
+    calm = maximum_filter1d(swing, length, origin=(length - 1) // 2, mode="nearest")
     peaks: list[int] = []
     for i in np.flatnonzero((swing >= around) & (swing >= least)):
-        before = swing[max(0, i - 5 * length) : i + 1]
+        before = calm[max(0, i - 5 * length) : i + 1]
         # the largest swing of a record begins a decay, whatever came before: a second blow into the first decay
-        rises = i < length or before.min() < _RISE * swing[i] or swing[i] >= swing.max()
+        largest = swing[i] >= swing.max() and not (peaks and swing[peaks[-1]] > _ALIKE * swing[i])
+        rises = i < length or before.min() < _RISE * (swing[i] - 0.5 * clear) or largest
         if rises and (not peaks or i - peaks[-1] > 2 * length):
             peaks.append(int(i))
     return peaks
@@ -223,3 +254,14 @@ def _frequency(signal: Signal) -> float:
         )
     inside = slice(low[best], high[best])
     return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))
+
+
+def slope_of(along: Array, values: Array) -> tuple[float, float]:
+    """Return the slope of a straight line and its standard error, for residuals of which neighbours are correlated."""
+    off = along - along.mean()
+    slope = float(off @ values / (off @ off))
+    left = values - values.mean() - slope * off
+    square = max(float(left @ left), 1e-300)
+    alike = min(max(float(left[1:] @ left[:-1]) / square, 0.0), 0.95)
+    wider = (1.0 + alike) / (1.0 - alike)
+    return slope, math.sqrt(wider * square / (left.size - 2) / float(off @ off))

@@ -1,0 +1,171 @@
+"""Frequency and damping of a free decay over its amplitude, from the swings alone: of no law, and without a stiffness.
+
+In the band of a mode the mean of |x| between two zeros is 2/π times the amplitude X there. Over a range of amplitudes,
+straight lines through ln X and through the number of half cycles, over the cycles and over the time, have the
+logarithmic decrement and the frequency as slopes (Inman, Engineering Vibration, Sec. 1.6):
+
+    δ = ln(X_i/X_{i+1}),   ζ = δ/√(4π² + δ²),   η = 2ζ
+
+Friction F_k alone has ζ = 2F_k/(πkX). Standard errors follow from the scatter about the lines.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from .band import NOISE_PASSED, Band, filtered
+from .bursts import Burst, Signal, slope_of
+from .simpson import integrals
+
+_RANGES = 4  # of amplitudes, but one, of all modes together
+_RATIO = 1.6  # of the amplitudes of one, at least, where there are several
+_FEWEST_HALVES = 4  # in a range
+_NOISE = 5.0  # times its standard deviation, to which the amplitude falls
+_UNEVEN = 0.4  # of a half cycle, by which its duration may be off
+_ENDS = 1  # half cycles at either end that the filter disturbs, at least: as long as a cycle of its bandwidth
+_MODES = 3  # at most
+_FEWEST_SAMPLES, _SHORTEST = 20, 3.0  # samples of a decay, and of its cycle
+_SMALL_MODE = 1e-2  # of the largest power in the spectrum: a tenth of the speed
+_VALLEY = 10.0  # of the power of a peak over that of the valley before a larger one
+_BEAT = 0.2  # of a beat, by which bursts may be off it
+_LINES = 4.0  # of the spectrum, by which modes differ at least
+_BAND = 1.25  # ratio, by which the frequency of a burst may be off
+_HARMONIC = 0.02  # relative distance from a multiple of another mode that is part of its motion
+
+
+@dataclass(frozen=True, slots=True)
+class SwingDamping:
+    """What the swings of free decays show in a range of amplitudes.
+
+    mode : number of the mode, 1 for the largest.   X : amplitude in the middle of the range, m.   cycles : in it.
+    hertz, ratio : frequency, Hz, and damping ratio ζ, with their standard errors.
+    """
+
+    mode: int
+    X: float
+    cycles: float
+    hertz: float
+    hertz_error: float
+    ratio: float
+    ratio_error: float
+
+    def document(self, *_: float) -> dict[str, Any]:
+        """Return it by the keys of the document."""
+        return {
+            "mode": self.mode,
+            "X_m": self.X,
+            "cycles": self.cycles,
+            "frequency_Hz": self.hertz,
+            "frequency_standard_error_Hz": self.hertz_error,
+            "damping_ratio": self.ratio,
+            "damping_ratio_standard_error": self.ratio_error,
+            "loss_factor": 2.0 * self.ratio,
+        }
+
+
+def displacement_in(part: Signal, band: Band) -> Array:
+    """Return the displacement in a band, m, of a channel of any order."""
+    x = filtered(part.values, part.dt, band)
+    for _ in range(part.order):
+        x = filtered(np.cumsum(x) * part.dt, part.dt, band)
+    return np.asarray(x)
+
+
+def damping_of(signal: Signal, bursts: Sequence[Burst]) -> list[SwingDamping]:
+    """Return the damping over the amplitude of each mode, that of the largest burst of a channel, or of
+    what follows it where that has the beats of two modes."""
+    burst = max(bursts, key=lambda one: one.swing)
+    part = signal.between(burst.turn, bursts[-1].end)
+    if part.values.size < _FEWEST_SAMPLES or burst.period < _SHORTEST * signal.dt:
+        return []
+    frequencies = _modes(part, 1.0 / burst.period)
+    apart = np.diff([one.turn for one in bursts if one.turn >= burst.turn])
+    if apart.size:
+        beats = [abs(one - frequencies[0]) * float(np.median(apart)) for one in frequencies[1:]]
+        if not any(abs(beat - 1.0) < _BEAT for beat in beats):
+            part = signal.between(burst.turn, burst.end)
+            frequencies = _modes(part, 1.0 / burst.period)
+    rows = []
+    for mode, f in enumerate(frequencies, 1):
+        about = Band.about(f, part.dt)
+        half = 0.5 * min((abs(f - one) for one in frequencies if one != f), default=math.inf)
+        band = Band(max(about.low, f - half), min(about.high, f + half))
+        ranges = _ranges(part, band, f, mode, 1 + _RANGES // len(frequencies))
+        rows += [one for one in ranges if one.ratio > 0.0]
+    return rows
+
+
+def _modes(part: Signal, first: float) -> list[float]:
+    """Return the frequencies of the modes, Hz, the largest first, by the speeds at their peaks in the spectrum."""
+    from scipy.signal import find_peaks  # slow to import
+
+    n = part.values.size
+    # falls to zero smoothly, so that the end of the record makes no peaks of its own
+    fading = np.cos(0.5 * math.pi * np.arange(n) / n) ** 2
+    power = np.abs(np.fft.rfft((part.values - part.values.mean()) * fading)) ** 2
+    f = np.fft.rfftfreq(n, part.dt)
+    power[1:] *= f[1:] ** (2.0 - 2.0 * part.order)
+    power[f < 0.3 * first] = 0.0
+    least = _SMALL_MODE * power.max()
+    logs = np.log(np.maximum(power, 1e-3 * least))
+    peaks = find_peaks(logs, height=math.log(least), prominence=math.log(_VALLEY))[0]
+    highest = f[peaks[np.argsort(-power[peaks])]]
+    near = np.append(highest[np.abs(np.log(highest / first)) < math.log(_BAND)], first)
+    modes = [float(near[0])]
+    for one in highest.tolist():
+        ratios = [max(one / of, of / one) for of in modes]
+        apart = all(abs(ratio / max(round(ratio), 2) - 1.0) > _HARMONIC for ratio in ratios)
+        if (
+            apart
+            and min(abs(one - of) for of in modes) * n * part.dt > _LINES
+            and one < 0.4 / part.dt
+        ):
+            modes.append(one)
+    return modes[:_MODES]
+
+
+def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[SwingDamping]:
+    """Return the damping in some ranges of the amplitude, down to the noise.   most : number of them."""
+    x = displacement_in(part, band)
+    i = np.flatnonzero(x[:-1] * x[1:] < 0.0)
+    ends = max(_ENDS, math.ceil(2.0 * f / (band.high - band.low)))
+    if i.size < _FEWEST_HALVES + 2 * ends:
+        return []
+    zeros = i + x[i] / (x[i] - x[i + 1])
+    X = 0.5 * math.pi * np.abs(integrals(x, 1.0, zeros)) / np.diff(zeros)
+    noise = part.noise * math.sqrt(2.0 * NOISE_PASSED * (band.high - band.low) * part.dt)
+    noise /= (2.0 * math.pi * f) ** part.order
+    regular = np.abs(2.0 * f * part.dt * np.diff(zeros) - 1.0) < _UNEVEN
+    goes_on = regular & (_NOISE * noise < X)
+    first = int(np.argmax(goes_on)) + ends
+    count = int(np.argmin(np.append(goes_on[first:], False))) - ends
+    if count < _FEWEST_HALVES:
+        return []
+    t, logs = part.dt * zeros[first : first + count + 1], np.log(X[first : first + count])
+    many = int((logs[0] - logs[-1]) / math.log(_RATIO))
+    edges = np.linspace(logs[0], logs[-1], max(1, min(many, most)) + 1)[1:-1]
+    cuts = [0]
+    for edge in edges:
+        cut = int(np.argmax(logs < edge))
+        if min(cut - cuts[-1], count - cut) >= _FEWEST_HALVES:
+            cuts.append(cut)
+    rows = []
+    for start, end in pairwise([*cuts, count]):
+        cycles = np.arange(end - start + 1) / 2.0
+        hertz, hertz_error = slope_of(t[start : end + 1], cycles)
+        fall, fall_error = slope_of(cycles[:-1], -logs[start:end])
+        ratio = fall / math.hypot(2.0 * math.pi, fall)
+        X_middle = math.exp(float(logs[start:end].mean()))
+        error = fall_error / (2.0 * math.pi) * (1.0 - ratio**2) ** 1.5
+        hertz_error = math.hypot(hertz_error, hertz * ratio**2)  # what the filter shifts
+        rows.append(
+            SwingDamping(mode, X_middle, float(cycles[-1]), hertz, hertz_error, ratio, error)
+        )
+    return rows
