@@ -83,18 +83,19 @@ _K3_GAIN = 15.0  # of χ²: what k_3 must explain, 4 standard errors
 
 
 def separate_fits(
-    source: str, signals: Sequence[Signal], k: float
+    source: str, signals: Sequence[Signal], k: float, pendulum: bool = False
 ) -> tuple[list[DecayFit], list[Burst]]:
     """Return a fit of each free decay in the channels of a record by itself, in their order, and the bursts that no
     oscillator fits or in which nothing slips.
 
     source : of the record.   signals : its channels, their offsets numbered through all records.   k : N/m.
+    pendulum : whether the restoring torque is k sin x.
     Raises NoDecay.
     """
     lead = max(signals, key=lambda one: float(np.ptp(one.values)) / one.noise)
     bursts = bursts_of(lead)
     fits: dict[Burst, DecayFit] = {}
-    surest = None
+    surest, blank = None, DecayProblem((), k, pendulum=pendulum)
     for _ in range(2):
         for burst in bursts:
             if burst in fits and fits[burst].white:
@@ -103,7 +104,8 @@ def separate_fits(
             sure = {b: fit for b, fit in fits.items() if fit.white}
             before = (fit.decays[0].end for b, fit in sure.items() if b.turn < burst.turn)
             earliest = max(burst.earliest, *before, -math.inf)
-            fit = _of_burst(source, signals, lead, replace(burst, earliest=earliest), k, surest)
+            cut = replace(burst, earliest=earliest)
+            fit = _of_burst(source, signals, lead, cut, blank, surest)
             if fit is not None and (burst not in fits or fit.white):
                 fits[burst] = fit
         # the oscillator of one decay is where others start from that were not found by themselves
@@ -128,15 +130,15 @@ def _of_burst(
     signals: Sequence[Signal],
     lead: Signal,
     burst: Burst,
-    k: float,
+    blank: DecayProblem,
     surest: DecayFit | None,
 ) -> DecayFit | None:
     """Return the fit of a burst, from its release on; None where no oscillator moves as far as it does.
 
-    surest : the fit of another burst, to start from as well.
+    blank : the problem without decays.   surest : the fit of another burst, to start from as well.
     """
     if surest is not None:
-        own = 2.0 * math.pi * math.sqrt(surest.m / k)
+        own = 2.0 * math.pi * math.sqrt(surest.m / blank.k)
         burst = replace(burst, period=max(own, _SLOWER * burst.period))
     swings = Swings(lead, burst)
     if swings.zeros.size < 2:
@@ -144,7 +146,7 @@ def _of_burst(
     period = swings.period
     whole = Decay(source, burst.turn, burst.end, tuple(signals), period)
     starts = [t for t in swings.zeros if t > burst.turn - 0.3 * period]
-    fit = _grown(whole, swings, starts[0], k, surest) if starts else None
+    fit = _grown(whole, swings, starts[0], blank, surest) if starts else None
     if fit is None:
         return None
     bent = fit if fit.white else with_one_more(fit)
@@ -219,14 +221,15 @@ class Swings:
 
 
 def _grown(
-    whole: Decay, swings: Swings, start: float, k: float, surest: DecayFit | None = None
+    whole: Decay, swings: Swings, start: float, blank: DecayProblem, surest: DecayFit | None = None
 ) -> DecayFit | None:
     """Return the best fit of a decay from the middle of a swing on, over windows that grow."""
+    k = blank.k
     F_k, c, m = swings.oscillator(k)
     state = swings.start_at(start)
     v = float(state[1])
     part = whole.cut(start, whole.end)
-    problem = DecayProblem((part,), k)
+    problem = replace(blank, decays=(part,))
     offsets = np.zeros(problem.offsets)
     for signal in part.signals:
         offsets[signal.offset] = float(np.median(signal.values[-(signal.values.size // 4) - 1 :]))
@@ -433,7 +436,8 @@ def _band_from_earliest(
     end = min(whole.end, max(fit.decays[0].end, float(swings.zeros[-1]) + whole.period))
     last = min(starts[0] + _LATEST * whole.period, end - 2.0 * _FIRST * whole.period)
     early = [t for t in starts if t <= last] or [*starts[:1]]
-    late = None if len(early) == 1 else _grown(whole, swings, early[-1], fit.k)
+    blank = DecayProblem((), fit.k, pendulum=fit.problem.pendulum)
+    late = None if len(early) == 1 else _grown(whole, swings, early[-1], blank)
     points = [one.point for one in (fit, late) if one is not None]
     for stiffness in _FIRST_STIFFNESSES:
         points.append(points[-1].copy())
@@ -441,7 +445,8 @@ def _band_from_earliest(
     fits: list[DecayFit] = []
     for start in reversed(early):
         # the first swings may be those of a spring that is not linear: no reason to leave them out
-        problem = DecayProblem((whole.cut(start, end),), fit.k, band).with_free("k_3").thinned()
+        problem = replace(blank, decays=(whole.cut(start, end),), band=band).with_free("k_3")
+        problem = problem.thinned()
         for point in points:
             point[-STATE:] = swings.start_at(start)
         if ends := climbs(problem, points):
@@ -567,7 +572,8 @@ def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool = False) -
     decays = tuple(replace(fit.decays[0], friction=i * own_frictions) for i, fit in enumerate(fits))
     bands = [fit.problem.band for fit in fits if fit.problem.band is not None]
     free = dict.fromkeys(name for fit in fits for name in fit.problem.free)
-    problem = DecayProblem(decays, fits[0].k, bands[0] if bands else None, tuple(free))
+    band = bands[0] if bands else None
+    problem = replace(fits[0].problem, decays=decays, band=band, free=tuple(free))
     offsets = np.zeros(problem.offsets)
     for fit in fits:
         for signal in fit.decays[0].signals:

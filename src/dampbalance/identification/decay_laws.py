@@ -10,8 +10,9 @@ with a motion of friction and viscous damping, and so they do not test other law
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import special
@@ -31,6 +32,9 @@ from .answer import Answer
 from .causes import GRADUAL
 from .law_comparison import LawComparison, LawTest, Probability, compared
 from .stated import widened
+
+if TYPE_CHECKING:
+    from .result import Result
 
 _MOST_ALONG = 3  # coefficients that are fitted along
 _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
@@ -69,6 +73,51 @@ def with_departures(fit: DecayFit) -> tuple[DecayFit, list[Finding]]:
     along = [s for s in fit.problem.free if s in FURTHER and s != _SPEED]
     unbounded = {"F_k": math.inf, "c": math.inf}
     return fit, [_along(fit, s, unbounded if s in DECAY_TERMS else _as_well(fit, s)) for s in along]
+
+
+def pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]:
+    """Return the answer to decays that rotate: as a pendulum, where a linear spring leaves more than noise and k_3
+    explains that no better.
+
+    identified : returns the answer; its keyword `pendulum` says whether the restoring torque is k sin θ.
+    """
+    answers: list[Result[Any]] = []
+    errors: list[ValueError] = []
+    for pendulum in (False, True):
+        try:
+            answers.append(identified(pendulum=pendulum))
+        except ValueError as error:
+            errors.append(error)
+        if answers and not pendulum and _linear(answers[0].basis):
+            break
+    if not answers:
+        raise errors[0]
+    *plain, found = answers
+    fit = found.basis.fit
+    if not fit.problem.pendulum or not _likelier(fit, [one.basis.fit for one in plain]):
+        return answers[0]
+    return replace(found, odd=(*found.odd, Finding("pendulum")))
+
+
+def _linear(basis: Any) -> bool:
+    """Return whether decays show no spring that is not linear."""
+    k_3 = [abs(one.size) for one in basis.departures if one.symbol == "k_3"]
+    free = basis.fit.problem.free
+    return basis.fit.white and "k_3" not in free and max(k_3, default=0.0) ** 2 < SHOWS
+
+
+def _likelier(fit: DecayFit, plain: Sequence[DecayFit]) -> bool:
+    """Return whether the fit of a pendulum is likelier than those with a linear spring, which need to be worse by more
+    than chance, and with k_3.   plain : the fit with a spring, if there is one."""
+    if any(one.white and not fit.white for one in plain):
+        return False
+    spring, softer = replace(fit.problem, pendulum=False), fit.point.copy()
+    softer[COMMON.index("k_3")] -= fit.k / 6.0
+    rivals = [(spring.climb(fit.point), SHOWS), (spring.with_free("k_3").climb(softer), -AS_WELL)]
+    noise = max(1.0, fit.misfit)
+    return all(
+        one is None or one.chi_square > fit.chi_square + noise * least for one, least in rivals
+    )
 
 
 def _likeliest(fit: DecayFit) -> DecayFit | None:

@@ -117,6 +117,12 @@ class _OfForced(TypedDict, total=False):
         "cycles left out at the start of each record, where the motion has not settled", 0, Bounds("", 0, 1_000_000))]
 
 
+class _OfDecays(TypedDict, total=False):
+    pendulum: Annotated[bool, Option(
+        "whether the record is the angle of a pendulum, whose restoring torque is k sin θ with k = m g L; where it is "
+        "not said, that is tried if a spring does not explain the decays", False)]
+
+
 class _OfForcedOrDecays(TypedDict, total=False):
     laws: Annotated[bool, Option(
         "whether to compare laws of one or two terms, with and without friction, and name the one that the records "
@@ -151,7 +157,7 @@ class ForcedOptions(_OfOscillator, _OfForced, _OfForcedOrDecays, _OfForcedOrStep
     """Options of `identify_forced`."""
 
 
-class DecayOptions(_OfOscillator, _OfForcedOrDecays):
+class DecayOptions(_OfOscillator, _OfDecays, _OfForcedOrDecays):
     """Options of `identify_decays`."""
 
 
@@ -163,7 +169,7 @@ class LoopOptions(_OfLoops):
     """Options of `identify_loops`."""
 
 
-class AnyOptions(ForcedOptions, _OfSteppedSine, _OfLoops):
+class AnyOptions(ForcedOptions, _OfDecays, _OfSteppedSine, _OfLoops):
     """Options of `identify`."""
 
 
