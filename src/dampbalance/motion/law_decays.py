@@ -48,7 +48,7 @@ _HELD, _CONSTANT = 6, 7  # constants of a phase, see `_hold`
 _STATE = 8  # x − x₀ and ẋ here, and there
 _FLOW = 12  # h, J, S, R over h/2, J, S, R over h: of slip, of stick, of a step to an event
 _RADIANS = 0.3  # longest step, in radians of a phase: derivatives are then exact to 1e-5
-_OF_A_PENDULUM = 0.05  # the same of a pendulum: its motion is exact to 1e-6 over a hundred cycles
+_OF_A_PENDULUM = 0.08  # the same, times the amplitude, of a pendulum: exact to 1e-6 of it over a hundred cycles
 _EQUAL = 1e-10  # relative difference of two steps that rounding makes between thousands of times
 _NEWTONS = 20
 _REACHED = 1e-13  # steps: an event is located to this
@@ -302,7 +302,6 @@ def law_decay(
     if s != 0.0:
         side = s
     bent = coefficients[:_SPEED].any() or p[_GRADUAL] != 0.0 or gravity != 0.0
-    radians = _RADIANS if gravity == 0.0 else _OF_A_PENDULUM
     t, events, linear = 0.0, 0, unknowns <= LINEAR_UNKNOWNS and not bent
     _hold(w, here, rows, s, side, events == 0, par)
     if phases.size:
@@ -314,7 +313,11 @@ def law_decay(
             h = times[n] - t
             if h <= 0.0:
                 break
-            h /= math.ceil(h / radians * math.sqrt(stiff / par.m))
+            fast = math.sqrt(stiff / par.m) / _RADIANS
+            if gravity != 0.0:
+                swing = math.sqrt(par.k / par.m) * (w[_HELD, 0] + w[here, 0])
+                fast = max(fast, math.hypot(swing, w[here + 1, 0]) / _OF_A_PENDULUM)
+            h /= math.ceil(h * fast)
             # an event is beyond `high` or `low`; it is located by Newton's method kept inside the bracket
             high = Z_m - side * Z_m if sticks else 0.0
             low = -Z_m - side * Z_m if sticks else 0.0
