@@ -151,7 +151,9 @@ def _of_burst(
         return None
     bent = fit if fit.white else with_one_more(fit)
     if bent is not None and bent.white:
-        fit = with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
+        fit = without_spring(
+            with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
+        )
     else:
         fit = _band_from_earliest(whole, swings, starts, fit) or fit
         # from there all the band may be white after all
@@ -505,7 +507,9 @@ def with_one_more(fit: DecayFit) -> DecayFit | None:
 
 
 def without_spring(fit: DecayFit) -> DecayFit:
-    """Return the fit without k_3, unless that explains enough."""
+    """Return the fit without k_3, unless that explains enough or is not free."""
+    if "k_3" not in fit.problem.free:
+        return fit
     less = replace(fit.problem, free=tuple(name for name in fit.problem.free if name != "k_3"))
     start = fit.point.copy()
     start[COMMON.index("k_3")] = 0.0

@@ -313,11 +313,11 @@ def law_decay(
             h = times[n] - t
             if h <= 0.0:
                 break
-            fast = math.sqrt(stiff / par.m) / _RADIANS
+            steps = h / _RADIANS * math.sqrt(stiff / par.m)
             if gravity != 0.0:
                 swing = math.sqrt(par.k / par.m) * (w[_HELD, 0] + w[here, 0])
-                fast = max(fast, math.hypot(swing, w[here + 1, 0]) / _OF_A_PENDULUM)
-            h /= math.ceil(h * fast)
+                steps = max(steps, h / _OF_A_PENDULUM * math.hypot(swing, w[here + 1, 0]))
+            h /= math.ceil(steps)
             # an event is beyond `high` or `low`; it is located by Newton's method kept inside the bracket
             high = Z_m - side * Z_m if sticks else 0.0
             low = -Z_m - side * Z_m if sticks else 0.0
