@@ -82,12 +82,14 @@ class ParameterEstimate:
 
     def wider(self, size: float) -> ParameterEstimate:
         """Return the estimate with an independent error of this standard deviation more, in quadrature at either
-        end."""
+        end; none where that leaves no lower limit above zero of what has no other."""
         if not (size > 0.0 and math.isfinite(self.value)):
             return self
         reach = NORMAL_95 * size
         low = self.value - math.hypot(self.value - self.interval.low, reach)
         high = self.value + math.hypot(self.interval.high - self.value, reach)
+        if low <= 0.0 and math.isinf(high):
+            return UNKNOWN
         error = math.hypot(self.standard_error, size)
         return replace(self, standard_error=error, interval=Interval(low, high))
 
@@ -318,7 +320,7 @@ def _judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...
         why.append(Finding("lower limit", {"limits": ((symbol, low, high),)}))
         within = math.inf
     elif not high - low <= abs(parameter.value):
-        why.append(Finding("wide"))
+        why.append(Finding("wide", {"symbol": symbol}))
     return Verdict(DOUBTFUL if why else USABLE, within=within, findings=tuple(why))
 
 

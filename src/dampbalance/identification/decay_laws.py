@@ -306,8 +306,7 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
         if of_law.chi_square < every.chi_square:
             again = fit_law(fit, DECAY_TERMS, (of_law.point,)) or every
             every = min(every, again, key=lambda one: one.chi_square)
-        law = {s: (of_law.value(s), of_law.error(s)) for s in terms}
-        return _tested(every, terms, of_law.chi_square - every.chi_square, law), of_law
+        return _tested(every, terms, of_law.chi_square - every.chi_square, of_law), of_law
 
     damping = [s for s in DECAY_TERMS if s != FRICTION]
     while True:  # until no law is closer to the decays than that of all terms, which contains it
@@ -357,12 +356,19 @@ def _tested(
     every: DecayFit,
     terms: tuple[str, ...],
     rise: float,
-    law: Mapping[str, tuple[float, float]] | None = None,
+    of_law: DecayFit | None = None,
 ) -> LawTest:
-    """Return the test of a law by what χ² rises by from that of all terms, in the noise that these leave.
+    """Return the test of a law by what χ² rises by from that of all terms, in the noise that these leave, and by
+    the tests of the fit that is the answer.
 
-    law : its coefficients, where it has a fit.
+    of_law : its fit, where it needs one.
     """
     freedom, above = len(DECAY_TERMS) - len(terms), max(rise, 0.0) / every.misfit
     p = float(special.fdtrc(freedom, every.freedom, above / freedom)) if freedom else 1.0
-    return LawTest(terms, law or {}, {"waveforms": Probability(above, freedom, p)})
+    law, doubts = {}, list[float]()
+    if of_law is not None:
+        law = {s: (of_law.value(s), of_law.error(s)) for s in terms}
+        doubts = [one.p for one in _shown(of_law, departures_of(of_law))]
+        doubts += [] if sound(of_law) else [of_law.chance]
+    waveforms = Probability(above, freedom, min([p, *doubts]))
+    return LawTest(terms, law, {"waveforms": waveforms}, explains=not doubts)

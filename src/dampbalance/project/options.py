@@ -99,7 +99,7 @@ class _OfOscillator(TypedDict, total=False):
     # fixture, driver and half of the springs move along and are seldom weighed: 0.5 %
     mass: Annotated[Stated | None, Option(
         "mass m (kg m² of a rotation): tests stiffness and gains, sharpens K_z, or gives the stiffness where that is "
-        "left out; unless stated, its standard uncertainty is 0.5 %, or half a unit of the last digit of a text",
+        "left out; unless stated, its standard uncertainty is 0.5 %, however many digits it has",
         None, NUMBERS["m"], 0.005)]
 
 
