@@ -4,11 +4,11 @@ From the start of a decay on, the base being at rest, the mass follows
 
     m ẍ + c ẋ + k x + f + (further terms) = 0,   ḟ = K_z ẋ within |f| ≤ F_k
 
-(of a pendulum k sin x) with x counted from the rest position of the spring (`motion.law_decays`). c, ρ = K_z^{−1/2} and m are common to all
-decays, and so is F_k unless decays are numbered as having friction forces of their own: F_k is then their mean. Further
-terms are zero unless they are freed: another law is the same problem with other free unknowns. Each channel of a record
-has a separate offset, which for a displacement holds the rest position of the spring; each decay has its start state
-(x, ẋ, w), f = (w − 1) F_k with 0 ≤ w ≤ 2. The stiffness k is given.
+with x counted from the rest position of the spring (`motion.law_decays`); a pendulum has k sin x. c, ρ = K_z^{−1/2}
+and m are common to all decays, and so is F_k unless decays are numbered as having friction forces of their own: F_k is
+then their mean. Further terms are zero unless they are freed: another law is the same problem with other free unknowns.
+Each channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each
+decay has its start state (x, ẋ, w), f = (w − 1) F_k with 0 ≤ w ≤ 2. The stiffness k is given.
 
 The noise is white, in all the band of the samples or in that of the mode, where the same filter acts on samples and
 model: what lies outside says nothing of F_k and c. Samples at the ends of a converter's range are left out.
@@ -68,7 +68,7 @@ _PRELOAD_ERROR = 1.0  # a priori: w lies between 0 and 2
 _BINS_OF_A_CYCLE = 12  # of a cycle, in which the residual is averaged
 _A_CYCLE, _THINNED = 64, 2500  # samples of a cycle, and of a decay, that a search looks at
 _AFTER_REST = 1.0  # of a cycle after the mass came to rest that shows its level
-_MOST_PHASES = 4096  # phases that are told
+_MOST_PHASES = 4097  # of a motion, with the first
 _NO_PHASES = np.empty((0, 5))
 _NEGLECTED = 2.0 * math.log(40.0)  # of χ²: a minimum so far up has a fortieth of the likelihood
 _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to one as good as rigid
@@ -212,18 +212,19 @@ class DecayProblem:
     ) -> Array:
         """Return what `law_decay` does of decay i at times from its start on.   count : of the derivatives."""
         _, c, rho, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
-        F_k, *state = float(point[self.friction_places[i]]), *point[self.places(i)].tolist()
+        x, v, w = point[self.places(i)].tolist()
+        F_k, gravity = float(point[self.friction_places[i]]), float(self.pendulum)
         par = Parameters(m, c, self.k, rho**-2, F_k, 0.0, 0.0)
         added = point[len(OSCILLATOR_UNKNOWNS) : len(OSCILLATOR_UNKNOWNS) + len(ADDED)]
-        return law_decay(times, order, *state, par, added, count, float(self.pendulum), phases)
+        return law_decay(times, order, x, v, w, par, added, count, gravity, phases)
 
     def phases(self, point: Array, i: int, until: float) -> Array:
         """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to a time, s.
 
         Raises ValueError where the contact rattles on.
         """
-        rows = np.full((_MOST_PHASES, 5), math.nan)
-        if not np.isfinite(self._motion(point, i, np.array([until]), 0, LINEAR_UNKNOWNS, rows)).all():
+        rows, times = np.full((_MOST_PHASES, 5), math.nan), np.array([until])
+        if not np.isfinite(self._motion(point, i, times, 0, LINEAR_UNKNOWNS, rows)).all():
             raise ValueError("the contact slips on and on")
         return rows[np.isfinite(rows[:, PHASE_T])]
 

@@ -112,7 +112,7 @@ def rows_of(fit: DecayFit) -> DecayRows:
         swings.append((read, stick))
         turns.append((read.turns, read.errors))
         differ, pair, scale = _pairs(read.D)
-        S = 2.0 * np.sin(0.5 * read.D) if fit.problem.pendulum else read.D
+        S, _ = _weights(read.D, fit)
         a, viscous = pair @ ((read.D - stick) / S), pair @ (read.b / S)
         columns.append(scale * np.stack([0.5 * fit.k * differ @ read.D, a, viscous], axis=1))
         decays += [i] * len(scale)
@@ -124,15 +124,20 @@ def rows_of(fit: DecayFit) -> DecayRows:
     blocks = []
     for (read, stick), F_k in zip(swings, forces, strict=True):
         differ, pair, scale = _pairs(read.D)
-        S, slope = read.D, 1.0
-        if fit.problem.pendulum:
-            S, slope = 2.0 * np.sin(0.5 * S), np.cos(0.5 * S)
+        S, slope = _weights(read.D, fit)
         F_i = F[numbers[F_k]]
         loss = (F_i - (F_i * (read.D - stick) + c * read.b) * slope / S) / S
         by = scale * np.hstack([0.5 * fit.k * differ - pair * loss, -c * pair / S])
         blocks.append(by @ read.covariance @ by.T)
     free = sum(read.free for read, _ in swings)
     return DecayRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
+
+
+def _weights(D: Array, fit: DecayFit) -> tuple[Array, Array]:
+    """Return S of each half cycle, D unless it is of a pendulum, and its derivative."""
+    if fit.problem.pendulum:
+        return 2.0 * np.sin(0.5 * D), np.cos(0.5 * D)
+    return D, np.ones(D.size)
 
 
 def _without_gaps(fit: DecayFit) -> list[Decay]:

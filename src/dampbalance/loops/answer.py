@@ -66,6 +66,7 @@ _SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
+_FAR = 0.2  # of the force: a fit that leaves so much does not describe the loops
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 _DIFFER = 0.002  # of F_k, between records: less does not matter
@@ -371,7 +372,8 @@ def _answer(
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
     if not slips(fit):
-        notes.append(Finding("loops stick"))
+        share = fit.rms / float(np.std(design.f))
+        notes.append(Finding("loops stick", {"share": share, "far": share > _FAR}))
     elif not design.with_c:
         notes.append(Finding("one speed"))
     elif parameters["c"] is UNKNOWN:

@@ -3,10 +3,11 @@
     m ẍ + c ẋ + c_2 |ẋ| ẋ + k x + k_3 x³ + G (sin x − x) + f = 0
     ḟ = K_z ẋ within |f| ≤ F_k + p e^(−|ẋ|/v)
 
-The base is at rest. G = k is a pendulum, whose angle is x, and G = 0 any other oscillator. The linear part of a phase is followed by its exact flow, the rest by the Runge–Kutta method of
-order 4 in the frame of that flow (Lawson 1967): where only F_k and c act, the motion is exact. Derivatives follow the
-linearised equations; x, ẋ and their derivatives are continuous at events, since the force of the contact is. Where the
-friction falls with the speed, F_k is what it falls to: a mass at rest breaks loose at F_k + p, one that moves at less.
+The base is at rest. G = k is a pendulum, whose angle is x, and G = 0 any other oscillator. The linear part of a phase
+is followed by its exact flow, the rest by the Runge–Kutta method of order 4 in the frame of that flow (Lawson 1967):
+where only F_k and c act, the motion is exact. Derivatives follow the linearised equations; x, ẋ and their derivatives
+are continuous at events, since the force of the contact is. Where the friction falls with the speed, F_k is what it
+falls to: a mass at rest breaks loose at F_k + p, one that moves at less.
 """
 
 from __future__ import annotations
@@ -48,7 +49,9 @@ _HELD, _CONSTANT = 6, 7  # constants of a phase, see `_hold`
 _STATE = 8  # x − x₀ and ẋ here, and there
 _FLOW = 12  # h, J, S, R over h/2, J, S, R over h: of slip, of stick, of a step to an event
 _RADIANS = 0.3  # longest step, in radians of a phase: derivatives are then exact to 1e-5
-_OF_A_PENDULUM = 0.08  # the same, times the amplitude, of a pendulum: exact to 1e-6 of it over a hundred cycles
+_OF_A_PENDULUM = (
+    0.08  # the same, times the amplitude, of a pendulum: exact to 1e-6 of it over a hundred cycles
+)
 _EQUAL = 1e-10  # relative difference of two steps that rounding makes between thousands of times
 _NEWTONS = 20
 _REACHED = 1e-13  # steps: an event is located to this
