@@ -140,7 +140,7 @@ def _of_burst(
     if surest is not None:
         own = 2.0 * math.pi * math.sqrt(surest.m / blank.k)
         burst = replace(burst, period=max(own, _SLOWER * burst.period))
-    swings = Swings(lead, burst)
+    swings = Swings(lead, burst, blank.pendulum)
     if swings.zeros.size < 2:
         return None
     period = swings.period
@@ -174,7 +174,7 @@ class Swings:
     its turns, m.   swing : of the burst, m.   period : s.
     """
 
-    def __init__(self, lead: Signal, burst: Burst) -> None:
+    def __init__(self, lead: Signal, burst: Burst, pendulum: bool = False) -> None:
         """Read the swings of a channel, the period first from the spectrum and then from the zeros."""
         part = lead.between(burst.earliest, burst.end)
         self.swing, self.period = burst.swing, burst.period
@@ -193,6 +193,8 @@ class Swings:
         tops = turns[clear[0] : clear[-1] + 1] if clear.size else turns[:0]
         self.zeros, self.sizes = zeros[inside], tops[:-1] + tops[1:]
         signs = np.sign(x[at + 1] - x[at])[inside]
+        if pendulum:  # by its energy
+            tops = 2.0 * np.sin(0.5 * np.minimum(tops, math.pi))
         self.speeds = signs * np.append(tops, tops[-1:]) * 2.0 * math.pi / self.period
 
     def _displacement(self, part: Signal) -> Array:
