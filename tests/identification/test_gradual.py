@@ -83,7 +83,9 @@ def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
         runs.append(ring_down_on(contact, truth, x, 0.0, contact[:, 1].copy(), step, lasts)[0])
     t = step * np.arange(runs[0].size)
     par = Parameters(osc.m, osc.c, osc.k, osc.K_z, osc.F_k, 0.0, 0.0)
-    whole = law_decay(t, 0, x, 0.0, 2.0, par, np.zeros(len(ADDED)), len(DECAY_UNKNOWNS))
+    whole = law_decay(
+        t, 0, x, 0.0, 2.0, par, np.zeros(len(ADDED)), len(DECAY_UNKNOWNS), 0.0, np.empty((0, 5))
+    )
     assert whole[:, 0] == pytest.approx(runs[0], abs=1e-5 * x)
     expected = (runs[1] - runs[0]) / part
     found = whole[:, 1 + DECAY_UNKNOWNS.index(GRADUAL)]

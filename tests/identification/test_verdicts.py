@@ -59,6 +59,23 @@ UNSOLVED = replace(SOUND, parameters=dict.fromkeys(SOUND.parameters, UNKNOWN), n
 
 
 @pytest.mark.parametrize(
+    ("symbol", "interval", "known"),
+    [
+        ("K_z", (-16.5, math.inf), False),
+        ("K_z", (16.5, math.inf), True),
+        ("F_k", (-1.0, 24.0), False),  # of work that 1 N takes
+        ("F_k", (-1.0, 3.0), True),
+        ("F_k", (5.0, 24.0), True),
+        ("c", (-1.0, 24.0), True),
+    ],
+)
+def test_a_limit_that_physics_forbids_is_none(symbol, interval, known):
+    limited = ParameterEstimate(max(interval[0], 1.0), 1.0, Interval(*interval))
+    (found,) = doubted({"direct": with_parameters(**{symbol: limited})}, []).values()
+    assert (found.parameters[symbol] is not UNKNOWN) == known
+
+
+@pytest.mark.parametrize(
     ("answer", "verdicts", "codes"),
     [
         (SOUND, "usable within 0.96 %", []),

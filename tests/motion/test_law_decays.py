@@ -11,14 +11,20 @@ from scipy.integrate import solve_ivp
 from blind.decays import Decay
 from blind.other_motion import Departure, ring_down
 from dampbalance.model import Parameters
+from dampbalance.motion import law_decays
 from dampbalance.motion.events import run
-from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, LINEAR_UNKNOWNS, law_decay
+from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, LINEAR_UNKNOWNS
 from dampbalance.motion.states import states_in_phases
+from identification.pendulums import Release
 
 M, K, PERIOD = 2.0, 800.0, 2.0 * math.pi * math.sqrt(2.0 / 800.0)
-NOTHING = np.zeros(len(ADDED))
+NOTHING, NO_PHASES = np.zeros(len(ADDED)), np.empty((0, 5))
 # each takes 5 to 30 % of the loss, or of the force of the spring, of a decay from 5 mm
 COEFFICIENTS = np.array([8.0, 2e6, 0.05, 0.02, 0.3])
+
+
+def law_decay(*of, gravity: float = 0.0, phases: np.ndarray = NO_PHASES):
+    return law_decays.law_decay(*of, gravity, phases)
 
 
 def oscillator(F_k: float = 0.2, c: float = 1.0, stiffness: float = 30.0) -> Parameters:
@@ -125,3 +131,18 @@ def test_friction_that_falls_with_the_speed_is_that_of_an_independent_integrator
     without = law_decay(times, 0, 5e-3, 0.0, preload, par, NOTHING, LINEAR_UNKNOWNS)[:, 0]
     assert np.abs(found - without).max() > 2e-4
     np.testing.assert_allclose(found, expected, rtol=0, atol=5e-7)
+
+
+@pytest.mark.parametrize(("A", "F_k"), [(2.0, 0.002), (0.7, 2e-4), (2.5, 0.0)])
+def test_a_pendulum_is_that_of_an_independent_integrator_over_a_hundred_cycles(A, F_k):
+    release = Release(A, F_k, c=5e-4)
+    par = Parameters(release.m, release.c, release.k, release.K_z, F_k, 0.0, 0.0)
+    times, phases = np.arange(1.0, 5000.0) / 45.0, np.full((500, 5), np.nan)
+    of = (times, 0, A, 0.0, 2.0, par, NOTHING, LINEAR_UNKNOWNS)
+    found = law_decay(*of, gravity=1.0, phases=phases)[:, 0]
+    np.testing.assert_allclose(found, release.angles(times), rtol=0, atol=3e-6 * A)
+    # each phase begins where its time says
+    starts = phases[1:200:7]
+    starts = starts[np.isfinite(starts[:, 0])]
+    again = law_decay(starts[:, 0], *of[1:], gravity=1.0)[:, 0]
+    np.testing.assert_allclose(again, starts[:, 2], rtol=0, atol=3e-6 * A)

@@ -4,11 +4,11 @@ From the start of a decay on, the base being at rest, the mass follows
 
     m ẍ + c ẋ + k x + f + (further terms) = 0,   ḟ = K_z ẋ within |f| ≤ F_k
 
-with x counted from the rest position of the spring (`motion.law_decays`). c, ρ = K_z^{−1/2} and m are common to all
-decays, and so is F_k unless decays are numbered as having friction forces of their own: F_k is then their mean. Further
-terms are zero unless they are freed: another law is the same problem with other free unknowns. Each channel of a record
-has a separate offset, which for a displacement holds the rest position of the spring; each decay has its start state
-(x, ẋ, w), f = (w − 1) F_k with 0 ≤ w ≤ 2. The stiffness k is given.
+with x counted from the rest position of the spring (`motion.law_decays`); a pendulum has k sin x. c, ρ = K_z^{−1/2}
+and m are common to all decays, and so is F_k unless decays are numbered as having friction forces of their own: F_k is
+then their mean. Further terms are zero unless they are freed: another law is the same problem with other free unknowns.
+Each channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each
+decay has its start state (x, ẋ, w), f = (w − 1) F_k with 0 ≤ w ≤ 2. The stiffness k is given.
 
 The noise is white, in all the band of the samples or in that of the mode, where the same filter acts on samples and
 model: what lies outside says nothing of F_k and c. Samples at the ends of a converter's range are left out.
@@ -25,7 +25,7 @@ import numpy as np
 
 from ..arrays import Array, Mask
 from ..model import Parameters
-from ..motion.events import PHASE_S, PHASE_T, run
+from ..motion.events import PHASE_S, PHASE_T
 from ..motion.law_decays import ADDED, DECAY_UNKNOWNS, LINEAR_UNKNOWNS, law_decay
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 from ..signals.band import NOISE_PASSED, Band, filtered
@@ -70,7 +70,8 @@ _PRELOAD_ERROR = 1.0  # a priori: w lies between 0 and 2
 _BINS_OF_A_CYCLE = 12  # of a cycle, in which the residual is averaged
 _A_CYCLE, _THINNED = 64, 2500  # samples of a cycle, and of a decay, that a search looks at
 _AFTER_REST = 1.0  # of a cycle after the mass came to rest that shows its level
-_MOST_PHASES = 4096  # phases after which a motion is rejected
+_MOST_PHASES = 4097  # of a motion, with the first
+_NO_PHASES = np.empty((0, 5))
 _NEGLECTED = 2.0 * math.log(40.0)  # of χ²: a minimum so far up has a fortieth of the likelihood
 _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to one as good as rigid
 _FINE = np.arange(-30, 31) * 0.25  # cycles of ringing, a quarter of one from one to the next
@@ -131,7 +132,7 @@ class DecayProblem:
     """The samples of decays, and which unknowns of the oscillator are to be found.
 
     k : N/m.   band : in which the decays are fitted; None for all of it.   free : names of the common unknowns that
-    move.   offsets : number of channels of all records.
+    move.   pendulum : whether the restoring torque is k sin x.
     """
 
     decays: tuple[Decay, ...]
@@ -139,6 +140,7 @@ class DecayProblem:
     band: Band | None = None
     free: tuple[str, ...] = OSCILLATOR_UNKNOWNS
     names: tuple[str, ...] = COMMON
+    pendulum: bool = False
 
     @property
     def offsets(self) -> int:
@@ -203,6 +205,33 @@ class DecayProblem:
         moved[COMMON.index("falling_speed")] = part * top
         return moved
 
+    def _motion(
+        self,
+        point: Array,
+        i: int,
+        times: Array,
+        order: int,
+        count: int,
+        phases: Array = _NO_PHASES,
+    ) -> Array:
+        """Return what `law_decay` does of decay i at times from its start on.   count : of the derivatives."""
+        _, c, rho, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
+        x, v, w = point[self.places(i)].tolist()
+        F_k, gravity = float(point[self.friction_places[i]]), float(self.pendulum)
+        par = Parameters(m, c, self.k, rho**-2, F_k, 0.0, 0.0)
+        added = point[len(OSCILLATOR_UNKNOWNS) : len(OSCILLATOR_UNKNOWNS) + len(ADDED)]
+        return law_decay(times, order, x, v, w, par, added, count, gravity, phases)
+
+    def phases(self, point: Array, i: int, until: float) -> Array:
+        """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to a time, s.
+
+        Raises ValueError where the contact rattles on.
+        """
+        rows, times = np.full((_MOST_PHASES, 5), math.nan), np.array([until])
+        if not np.isfinite(self._motion(point, i, times, 0, LINEAR_UNKNOWNS, rows)).all():
+            raise ValueError("the contact slips on and on")
+        return rows[np.isfinite(rows[:, PHASE_T])]
+
     def columns(self, point: Array, *, added: bool = False) -> Array:
         """Return derivatives of the residuals (model − sample)/σ by the unknowns, and these residuals, (samples, p +
         1), decay by decay, channel by channel; NaN where the contact rattles.
@@ -214,16 +243,12 @@ class DecayProblem:
         blocks = []
         for i, one in enumerate(self.decays):
             own = self.places(i)
-            place = self.friction_places[i]
-            at = [place, C, RHO, M, *range(own.start, own.stop)]
+            at = [self.friction_places[i], C, RHO, M, *range(own.start, own.stop)]
             at += [COMMON.index(symbol) for symbol in FURTHER] if added else []
-            x, v, w = point[own].tolist()
-            par = numbers_of(point, self.k, place)
-            p = further_of(point)
             for signal in one.signals:
                 offset, count = len(COMMON) + signal.offset, LINEAR_UNKNOWNS
                 count = len(DECAY_UNKNOWNS) if added else count
-                part = law_decay(signal.t - one.start, signal.order, x, v, w, par, p, count)
+                part = self._motion(point, i, signal.t - one.start, signal.order, count)
                 if added or corner:
                     part = ac_coupled(part, signal.dt, corner)
                     part = part if added else part[:, :-1]
@@ -305,7 +330,7 @@ class DecayProblem:
         whose ringing after the mass came to rest is a quarter of a cycle more or less from one to the next."""
         stiffness, m = self.k * _SCAN, float(point[M])
         one = self.decays[0]
-        t = phases_of(point, point[self.places(0)], self.k, one.end - one.start)[-1, PHASE_T]
+        t = self.phases(point, 0, one.end - one.start)[-1, PHASE_T]
         rest = one.end - one.start - float(t)
         if rest > 0.0:
             Omega = math.sqrt((self.k + point[RHO] ** -2) / m) + 2.0 * math.pi * _FINE / rest
@@ -452,7 +477,7 @@ class DecayFit(Fit):
         """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to its end or another one, s."""
         one = self.decays[i]
         until = (one.end if end is None else end) - one.start
-        return phases_of(self.point_of(i), self.point[self.places(i)], self.k, until)
+        return self.problem.phases(self.point, i, until)
 
     def sticks_from(self, i: int, end: float | None = None) -> float:
         """Return the time, s after its start, from which on the mass of decay i sticks; infinite where it moves up to
@@ -565,11 +590,6 @@ def departures_of(fit: DecayFit) -> list[Departure]:
     )
 
 
-def further_of(point: Array) -> Array:
-    """Return the coefficients of `ADDED` in a point."""
-    return point[len(OSCILLATOR_UNKNOWNS) : len(OSCILLATOR_UNKNOWNS) + len(ADDED)]
-
-
 def contact_chord(rho: float, k: float) -> float:
     """Return the step in ρ over which its derivative is taken; 0 where that is the derivative itself.
 
@@ -577,25 +597,3 @@ def contact_chord(rho: float, k: float) -> float:
     """
     chord = _CHORD / math.sqrt(k)
     return chord if rho < 0.3 * chord else 0.0
-
-
-def numbers_of(point: Array, k: float, friction: int = F_K) -> Parameters:
-    """Return the oscillator of a point.   friction : place of its friction force."""
-    _, c, rho, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
-    return Parameters(m, c, k, rho**-2, float(point[friction]), 0.0, 0.0)
-
-
-def phases_of(point: Array, state: Array, k: float, until: float) -> Array:
-    """Return rows (t, s, x, ẋ, z) of the motion from a start state (x, ẋ, w) at t = 0 on, without further terms.
-
-    Raises ValueError where the contact rattles on.
-    """
-    par = numbers_of(point, k)
-    x, v, preload = state.tolist()
-    rows = np.empty((_MOST_PHASES, 5))
-    Z_m = par.F_k / par.K_z
-    z = min(max((preload - 1.0) * Z_m, -Z_m), Z_m)
-    count, t, *_ = run(x, v, z, 0.0, until, 0.0, par, rows)
-    if t < until:
-        raise ValueError("the contact slips on and on")
-    return rows[:count]

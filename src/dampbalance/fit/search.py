@@ -87,18 +87,19 @@ _K3_GAIN = 15.0  # of χ²: what k_3 must explain, 4 standard errors
 
 
 def separate_fits(
-    source: str, signals: Sequence[Signal], k: float
+    source: str, signals: Sequence[Signal], k: float, pendulum: bool = False
 ) -> tuple[list[DecayFit], list[Burst]]:
     """Return a fit of each free decay in the channels of a record by itself, in their order, and the bursts that no
     oscillator fits or in which nothing slips.
 
     source : of the record.   signals : its channels, their offsets numbered through all records.   k : N/m.
+    pendulum : whether the restoring torque is k sin x.
     Raises NoDecay.
     """
     lead = sharpest(signals)
     bursts = bursts_of(lead)
     fits: dict[Burst, DecayFit] = {}
-    surest = None
+    surest, blank = None, DecayProblem((), k, pendulum=pendulum)
     for _ in range(2):
         for burst in bursts:
             if burst in fits and fits[burst].white:
@@ -107,7 +108,8 @@ def separate_fits(
             sure = {b: fit for b, fit in fits.items() if fit.white}
             before = (fit.decays[-1].end for b, fit in sure.items() if b.turn < burst.turn)
             earliest = max(burst.earliest, *before, -math.inf)
-            fit = _of_burst(source, signals, lead, replace(burst, earliest=earliest), k, surest)
+            cut = replace(burst, earliest=earliest)
+            fit = _of_burst(source, signals, lead, cut, blank, surest)
             if fit is not None and (burst not in fits or fit.white):
                 fits[burst] = fit
         # the oscillator of one decay is where others start from that were not found by themselves
@@ -132,30 +134,32 @@ def _of_burst(
     signals: Sequence[Signal],
     lead: Signal,
     burst: Burst,
-    k: float,
+    blank: DecayProblem,
     surest: DecayFit | None,
 ) -> DecayFit | None:
     """Return the fit of a burst, from its release on; None where no oscillator moves as far as it does.
 
-    surest : the fit of another burst, to start from as well.
+    blank : the problem without decays.   surest : the fit of another burst, to start from as well.
     """
     if surest is not None:
-        own = 2.0 * math.pi * math.sqrt(surest.m / k)
+        own = 2.0 * math.pi * math.sqrt(surest.m / blank.k)
         burst = replace(burst, period=max(own, _SLOWER * burst.period))
-    swings = Swings(lead, burst)
+    swings = Swings(lead, burst, blank.pendulum)
     if swings.zeros.size < 2:
         return None
     period = swings.period
     whole = Decay(source, burst.turn, burst.end, tuple(signals), period)
     if swings.zeros.size > 2 * _LONG:
-        return _of_excerpts(whole, swings, k)
+        return _of_excerpts(whole, swings, blank)
     starts = [t for t in swings.zeros if t > burst.turn - 0.3 * period]
-    fit = _grown([whole.cut(starts[0], whole.end)], swings, k, surest) if starts else None
+    fit = _grown([whole.cut(starts[0], whole.end)], swings, blank, surest) if starts else None
     if fit is None:
         return None
     bent = fit if fit.white else with_one_more(fit)
     if bent is not None and bent.white:
-        fit = with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
+        fit = without_spring(
+            with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
+        )
     else:
         fit = _band_from_earliest(whole, swings, starts, fit) or fit
         # from there all the band may be white after all
@@ -176,7 +180,7 @@ class Swings:
     its turns, m.   swing : of the burst, m.   period : s.
     """
 
-    def __init__(self, lead: Signal, burst: Burst) -> None:
+    def __init__(self, lead: Signal, burst: Burst, pendulum: bool = False) -> None:
         """Read the swings of a channel, the period first from the spectrum and then from the zeros."""
         part = lead.between(burst.earliest, burst.end)
         self.swing, self.period = burst.swing, burst.period
@@ -196,6 +200,8 @@ class Swings:
         tops = turns[clear[0] : clear[-1] + 1] if clear.size else turns[:0]
         self.zeros, self.sizes = zeros[inside], tops[:-1] + tops[1:]
         signs = np.sign(x[at + 1] - x[at])[inside]
+        if pendulum:  # by its energy
+            tops = 2.0 * np.sin(0.5 * np.minimum(tops, math.pi))
         self.speeds = signs * np.append(tops, tops[-1:]) * 2.0 * math.pi / self.period
 
     def start_at(self, t: float) -> Array:
@@ -217,7 +223,7 @@ class Swings:
         return -k * float(lost) / (2.0 * (1.0 + ratio)), 2.0 * zeta * math.sqrt(k * m), m
 
 
-def _of_excerpts(whole: Decay, swings: Swings, k: float) -> DecayFit | None:
+def _of_excerpts(whole: Decay, swings: Swings, blank: DecayProblem) -> DecayFit | None:
     """Return the fit of some excerpts of a decay of very many cycles, each with a start state: they share F_k, c and m,
     and take little time. The first begins after what the release disturbs."""
     zeros = swings.zeros
@@ -227,7 +233,7 @@ def _of_excerpts(whole: Decay, swings: Swings, k: float) -> DecayFit | None:
     of_cycles = zeros.size // 2
     if sys.stderr.isatty():
         print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
-    fit = _grown([replace(one, whole=None, of_cycles=of_cycles) for one in parts], swings, k)
+    fit = _grown([replace(one, whole=None, of_cycles=of_cycles) for one in parts], swings, blank)
     if fit is None or fit.white:
         return fit and with_noise_of(fit)
     bent = with_one_more(fit)
@@ -235,13 +241,14 @@ def _of_excerpts(whole: Decay, swings: Swings, k: float) -> DecayFit | None:
 
 
 def _grown(
-    parts: Sequence[Decay], swings: Swings, k: float, surest: DecayFit | None = None
+    parts: Sequence[Decay], swings: Swings, blank: DecayProblem, surest: DecayFit | None = None
 ) -> DecayFit | None:
     """Return the best fit of a decay, or of excerpts of it, from the middle of a swing on, over windows that grow."""
+    k = blank.k
     F_k, c, m = swings.oscillator(k)
     states = [swings.start_at(one.start) for one in parts]
     v = float(states[0][1])
-    problem = DecayProblem(tuple(parts), k)
+    problem = replace(blank, decays=tuple(parts))
     offsets = np.zeros(problem.offsets)
     for signal in parts[0].signals:
         offsets[signal.offset] = float(np.median(signal.values[-(signal.values.size // 4) - 1 :]))
@@ -450,7 +457,9 @@ def _band_from_earliest(
     end = min(whole.end, max(fit.decays[0].end, float(swings.zeros[-1]) + whole.period))
     last = min(starts[0] + _LATEST * whole.period, end - 2.0 * _FIRST * whole.period)
     early = [t for t in starts if t <= last] or [*starts[:1]]
-    late = None if len(early) == 1 else _grown([whole.cut(early[-1], whole.end)], swings, fit.k)
+    blank = DecayProblem((), fit.k, pendulum=fit.problem.pendulum)
+    latest = whole.cut(early[-1], whole.end)
+    late = None if len(early) == 1 else _grown([latest], swings, blank)
     points = [one.point for one in (fit, late) if one is not None]
     for stiffness in _FIRST_STIFFNESSES:
         points.append(points[-1].copy())
@@ -458,7 +467,8 @@ def _band_from_earliest(
     fits: list[DecayFit] = []
     for start in reversed(early):
         # the first swings may be those of a spring that is not linear: no reason to leave them out
-        problem = DecayProblem((whole.cut(start, end),), fit.k, band).with_free("k_3").thinned()
+        problem = replace(blank, decays=(whole.cut(start, end),), band=band).with_free("k_3")
+        problem = problem.thinned()
         for point in points:
             point[-STATE:] = swings.start_at(start)
         if ends := climbs(problem, points):
@@ -517,7 +527,9 @@ def with_one_more(fit: DecayFit) -> DecayFit | None:
 
 
 def without_spring(fit: DecayFit) -> DecayFit:
-    """Return the fit without k_3, unless that explains enough."""
+    """Return the fit without k_3, unless that explains enough or is not free."""
+    if "k_3" not in fit.problem.free:
+        return fit
     less = replace(fit.problem, free=tuple(name for name in fit.problem.free if name != "k_3"))
     start = fit.point.copy()
     start[COMMON.index("k_3")] = 0.0
@@ -586,7 +598,8 @@ def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool = False) -
     )
     bands = [fit.problem.band for fit in fits if fit.problem.band is not None]
     free = dict.fromkeys(name for fit in fits for name in fit.problem.free)
-    problem = DecayProblem(decays, fits[0].k, bands[0] if bands else None, tuple(free))
+    band = bands[0] if bands else None
+    problem = replace(fits[0].problem, decays=decays, band=band, free=tuple(free))
     offsets = np.zeros(problem.offsets)
     for fit in fits:
         for signal in fit.decays[0].signals:

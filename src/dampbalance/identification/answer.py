@@ -27,6 +27,7 @@ CONFIDENCE = 0.95
 
 # Correlation from which two coefficients share what is lost: then the limit takes twice `USELESS` at most.
 _TRADES = 0.5
+_ALL = 5.0  # times all of the work: a friction force that may take so much has no limit
 
 REFERENCE = "maximum likelihood"
 """Name of the answer of the fit to all records."""
@@ -318,23 +319,33 @@ def _judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...
         why.append(Finding("lower limit", {"limits": ((symbol, low, high),)}))
         within = math.inf
     elif not high - low <= abs(parameter.value):
-        why.append(Finding("wide"))
+        why.append(Finding("wide", {"symbol": symbol}))
     return Verdict(DOUBTFUL if why else USABLE, within=within, findings=tuple(why))
 
 
 def doubted(answers: Mapping[str, Answer], warnings: Sequence[Finding]) -> dict[str, Answer]:
     """Return the answers with their intervals widened by what their notes and the warnings can do to each number, and
-    with a doubt where that is more than the interval and than `USELESS`, or is not known."""
+    with a doubt where that is more than the interval and than `USELESS`, or is not known. What may be zero and
+    has no upper limit, or one of friction beyond all of the work, is not determined."""
+    most = {
+        key: _ALL * float(np.max(rows.W[a > 0.0] / a[a > 0.0], initial=0.0)) or math.inf
+        for rows in (one.balance.rows for one in answers.values() if one.balance is not None)
+        for key, a in rows.terms.items()
+        if term(key).symbol == FRICTION
+    }
     return {
-        name: _doubted(answer, [*(w for w in warnings if not w.spares(name)), *answer.notes])
+        name: _doubted(answer, [*(w for w in warnings if not w.spares(name)), *answer.notes], most)
         for name, answer in answers.items()
     }
 
 
-def _doubted(answer: Answer, findings: Iterable[Finding]) -> Answer:
-    """Return the answer with what findings can do to its numbers."""
+def _doubted(answer: Answer, findings: Iterable[Finding], most: Mapping[str, float]) -> Answer:
+    """Return the answer with what findings can do to its numbers.   most : that a friction force can be."""
     kinds = grouped([one for one in findings if one.effect])
     parameters = {s: _shifted(s, p, kinds) for s, p in answer.parameters.items()}
+    for s, p in parameters.items():
+        if p.interval.low <= 0.0 and p.interval.high >= most.get(s, math.inf):
+            parameters[s] = UNKNOWN
     # which way a shift goes is not known: it correlates nothing
     pairs = zip(parameters.values(), answer.parameters.values(), strict=True)
     added = np.diag([p.standard_error**2 - own.standard_error**2 for p, own in pairs])

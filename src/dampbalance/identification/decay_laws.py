@@ -10,8 +10,9 @@ with a motion of friction and viscous damping, and so they do not test other law
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import special
@@ -31,6 +32,9 @@ from .answer import Answer
 from .causes import GRADUAL
 from .law_comparison import LawComparison, LawTest, Probability, compared
 from .stated import widened
+
+if TYPE_CHECKING:
+    from .result import Result
 
 _MOST_ALONG = 3  # coefficients that are fitted along
 _HINT = 1.7  # standard errors of a coefficient, more than one in twenty decays show by chance
@@ -69,6 +73,51 @@ def with_departures(fit: DecayFit) -> tuple[DecayFit, list[Finding]]:
     along = [s for s in fit.problem.free if s in FURTHER and s != _SPEED]
     unbounded = {"F_k": math.inf, "c": math.inf}
     return fit, [_along(fit, s, unbounded if s in DECAY_TERMS else _as_well(fit, s)) for s in along]
+
+
+def pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]:
+    """Return the answer to decays that rotate: as a pendulum, where a linear spring leaves more than noise and k_3
+    explains that no better.
+
+    identified : returns the answer; its keyword `pendulum` says whether the restoring torque is k sin θ.
+    """
+    answers: list[Result[Any]] = []
+    errors: list[ValueError] = []
+    for pendulum in (False, True):
+        try:
+            answers.append(identified(pendulum=pendulum))
+        except ValueError as error:
+            errors.append(error)
+        if answers and not pendulum and _linear(answers[0].basis):
+            break
+    if not answers:
+        raise errors[0]
+    *plain, found = answers
+    fit = found.basis.fit
+    if not fit.problem.pendulum or not _likelier(fit, [one.basis.fit for one in plain]):
+        return answers[0]
+    return replace(found, odd=(*found.odd, Finding("pendulum")))
+
+
+def _linear(basis: Any) -> bool:
+    """Return whether decays show no spring that is not linear."""
+    k_3 = [abs(one.size) for one in basis.departures if one.symbol == "k_3"]
+    free = basis.fit.problem.free
+    return basis.fit.white and "k_3" not in free and max(k_3, default=0.0) ** 2 < SHOWS
+
+
+def _likelier(fit: DecayFit, plain: Sequence[DecayFit]) -> bool:
+    """Return whether the fit of a pendulum is likelier than those with a linear spring, which need to be worse by more
+    than chance, and with k_3.   plain : the fit with a spring, if there is one."""
+    if any(one.white and not fit.white for one in plain):
+        return False
+    spring, softer = replace(fit.problem, pendulum=False), fit.point.copy()
+    softer[COMMON.index("k_3")] -= fit.k / 6.0
+    rivals = [(spring.climb(fit.point), SHOWS), (spring.with_free("k_3").climb(softer), -AS_WELL)]
+    noise = max(1.0, fit.misfit)
+    return all(
+        one is None or one.chi_square > fit.chi_square + noise * least for one, least in rivals
+    )
 
 
 def _likeliest(fit: DecayFit) -> DecayFit | None:
@@ -257,8 +306,7 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
         if of_law.chi_square < every.chi_square:
             again = fit_law(fit, DECAY_TERMS, (of_law.point,)) or every
             every = min(every, again, key=lambda one: one.chi_square)
-        law = {s: (of_law.value(s), of_law.error(s)) for s in terms}
-        return _tested(every, terms, of_law.chi_square - every.chi_square, law), of_law
+        return _tested(every, terms, of_law.chi_square - every.chi_square, of_law), of_law
 
     damping = [s for s in DECAY_TERMS if s != FRICTION]
     while True:  # until no law is closer to the decays than that of all terms, which contains it
@@ -308,12 +356,19 @@ def _tested(
     every: DecayFit,
     terms: tuple[str, ...],
     rise: float,
-    law: Mapping[str, tuple[float, float]] | None = None,
+    of_law: DecayFit | None = None,
 ) -> LawTest:
-    """Return the test of a law by what χ² rises by from that of all terms, in the noise that these leave.
+    """Return the test of a law by what χ² rises by from that of all terms, in the noise that these leave, and by
+    the tests of the fit that is the answer.
 
-    law : its coefficients, where it has a fit.
+    of_law : its fit, where it needs one.
     """
     freedom, above = len(DECAY_TERMS) - len(terms), max(rise, 0.0) / every.misfit
     p = float(special.fdtrc(freedom, every.freedom, above / freedom)) if freedom else 1.0
-    return LawTest(terms, law or {}, {"waveforms": Probability(above, freedom, p)})
+    law, doubts = {}, list[float]()
+    if of_law is not None:
+        law = {s: (of_law.value(s), of_law.error(s)) for s in terms}
+        doubts = [one.p for one in _shown(of_law, departures_of(of_law))]
+        doubts += [] if sound(of_law) else [of_law.chance]
+    waveforms = Probability(above, freedom, min([p, *doubts]))
+    return LawTest(terms, law, {"waveforms": waveforms}, explains=not doubts)

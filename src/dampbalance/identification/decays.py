@@ -29,6 +29,7 @@ from ..motion.unknowns import M
 from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
+from ..records.coordinate import ROTATION
 from ..records.mapping import MappingLike
 from ..records.measured import as_records
 from ..records.record import Record
@@ -57,6 +58,7 @@ from .decay_laws import (
     compare_decay_laws,
     condition_of,
     doubts_of,
+    pendulum_if_likelier,
     shortcomings_of,
     with_departures,
     with_effects,
@@ -65,6 +67,7 @@ from .diagnosis import on_mass
 from .half_cycles import A, B, DecayRows, W, rows_of
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
+from .rigs import require_rotation
 from .screen import damping_table, implied
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
@@ -241,7 +244,8 @@ def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Resu
     if k is None:
         options, k = with_stiffness_by_mass(partial(_of_records, records), options)
         mass = None
-    outcome = identify_decay_records(
+    identified = partial(
+        identify_decay_records,
         [record.corrected() for record in records],
         k,
         mass=mass,
@@ -249,6 +253,13 @@ def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Resu
         stiffness_error=options["stiffness_standard_error_N_per_m"] or 0.0,
         laws=options["laws"],
     )
+    if options["pendulum"]:
+        require_rotation(records)
+        outcome = identified(pendulum=True)
+    elif records[0].coordinate == ROTATION:
+        outcome = pendulum_if_likelier(identified)
+    else:
+        outcome = identified()
     odd = [words.about(record.name) for record in records for words in record.warnings]
     odd += outcome.odd
     return with_stated_uncertainties(
@@ -265,6 +276,7 @@ def identify_decay_records(
     mass_error: float = 0.0,
     stiffness_error: float = 0.0,
     laws: bool = False,
+    pendulum: bool = False,
 ) -> Result[DecayBasis]:
     """Return F_k, c and K_z from records of free decays, one or more.
 
@@ -272,6 +284,7 @@ def identify_decay_records(
     mass : kg, if it is known; the fit takes it where it is known better than the decays know it, and they agree.
     mass_error, stiffness_error : standard uncertainties of the mass, kg, and of k, N/m.
     laws : whether to compare the laws that the decays may have.
+    pendulum : whether the restoring torque is k sin θ.
 
     Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
     without a decay that slips, and a channel with a filter.
@@ -293,7 +306,7 @@ def identify_decay_records(
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
         warnings += [words.about(record.name) for words in odd]
         try:
-            separate, bursts = separate_fits(record.name, signals, k)
+            separate, bursts = separate_fits(record.name, signals, k, pendulum)
         except NoDecay as error:
             raise ValueError(_unclear(record, k, str(error))) from None
         if not separate:

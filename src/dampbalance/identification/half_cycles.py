@@ -16,6 +16,9 @@ to the second order only. An offset or a drift of the velocity moves swings to o
 directions: the one that makes D run smoothly is taken off, and the rows leave it free. All these are sums over samples,
 so that the covariance of the rows follows from the noise; rows that share a swing or a turn are correlated.
 
+Of a pendulum, (x_a² − x_b²)/2 is cos x_b − cos x_a = ±2 sin(D/2) sin((x_a + x_b)/2): S = 2 sin(D/2) takes the place of
+D as the weight of its neighbour; a decrement is small enough for its sine.
+
 The fit gives one number, the stick Z_m = F_k/K_z, which matters little if the contact is stiff, and the motion where
 samples are missing.
 """
@@ -109,7 +112,8 @@ def rows_of(fit: DecayFit) -> DecayRows:
         swings.append((read, stick))
         turns.append((read.turns, read.errors))
         differ, pair, scale = _pairs(read.D)
-        a, viscous = pair @ (1.0 - stick / read.D), pair @ (read.b / read.D)
+        S, _ = _weights(read.D, fit)
+        a, viscous = pair @ ((read.D - stick) / S), pair @ (read.b / S)
         columns.append(scale * np.stack([0.5 * fit.k * differ @ read.D, a, viscous], axis=1))
         decays += [i] * len(scale)
     which = np.array(decays, dtype=np.intp)
@@ -120,11 +124,20 @@ def rows_of(fit: DecayFit) -> DecayRows:
     blocks = []
     for (read, stick), F_k in zip(swings, forces, strict=True):
         differ, pair, scale = _pairs(read.D)
-        loss = (F[numbers[F_k]] * stick - c * read.b) / read.D**2
-        by = scale * np.hstack([0.5 * fit.k * differ - pair * loss, -c * pair / read.D])
+        S, slope = _weights(read.D, fit)
+        F_i = F[numbers[F_k]]
+        loss = (F_i - (F_i * (read.D - stick) + c * read.b) * slope / S) / S
+        by = scale * np.hstack([0.5 * fit.k * differ - pair * loss, -c * pair / S])
         blocks.append(by @ read.covariance @ by.T)
     free = sum(read.free for read, _ in swings)
     return DecayRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
+
+
+def _weights(D: Array, fit: DecayFit) -> tuple[Array, Array]:
+    """Return S of each half cycle, D unless it is of a pendulum, and its derivative."""
+    if fit.problem.pendulum:
+        return 2.0 * np.sin(0.5 * D), np.cos(0.5 * D)
+    return D, np.ones(D.size)
 
 
 def _without_gaps(fit: DecayFit) -> list[Decay]:

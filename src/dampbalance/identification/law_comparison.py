@@ -65,7 +65,8 @@ class LawTest:
 
     terms : of the law.   coefficients : by key, (value, standard error), SI units.   tests : those that count, by name,
     "balance" and "waveforms"; None where there is no such motion.   rejected, rejected_by_balance : by all of these, by
-    the balance alone.   in_phase : squares of what the waveforms leave of each record's stiffness, in standard errors.
+    the balance alone.   explains : whether what it leaves is noise by the rules of the fit that is the answer.
+    in_phase : squares of what the waveforms leave of each record's stiffness, in standard errors.
     """
 
     terms: tuple[str, ...]
@@ -75,6 +76,7 @@ class LawTest:
     )
     rejected: bool = True
     rejected_by_balance: bool = True
+    explains: bool = True
     in_phase: tuple[float, ...] = ()
 
     @property
@@ -182,7 +184,7 @@ def compared(
     tests: list[LawTest] = []
     fits: dict[tuple[Term, ...], Any] = {}
     for _, alike in itertools.groupby(sorted(laws, key=len), len):
-        enough = [set(e.terms) for e in tests if e.p_of() > BUDGET / len(laws)]
+        enough = [set(e.terms) for e in tests if e.explains and e.p_of() > BUDGET / len(laws)]
         for law in alike:
             if enough and not any(smaller < set(law) for smaller in enough):
                 continue
@@ -251,7 +253,7 @@ def chosen_of(tests: Sequence[LawTest], left_out: tuple[Finding, ...] = ()) -> L
     """Return what follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject."""
     both, alone = (_rejected([e.p_of(*names) for e in tests]) for names in ((), ["balance"]))
     tests = [
-        replace(e, rejected=one, rejected_by_balance=other)
+        replace(e, rejected=one or not e.explains, rejected_by_balance=other)
         for e, one, other in zip(tests, both, alone, strict=True)
     ]
     with_balance = any("balance" in e.tests for e in tests)

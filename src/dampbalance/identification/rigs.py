@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..law.law import Law
-from ..records.coordinate import Coordinate
+from ..records.coordinate import ROTATION, Coordinate
 from ..records.record import Record
 from ..signals.mean_harmonics import Reading
 from .loading import load
@@ -32,6 +32,13 @@ def require_driven_by(base: bool, records: Sequence[Record], code: str) -> None:
     for record in records:
         if base == ("force" in record.quantities):
             raise ValueError(f"{record.name}: {sentence(Finding(code), record.coordinate)}")
+
+
+def require_rotation(records: Sequence[Record]) -> None:
+    """Raise ValueError for the first record that does not rotate: no pendulum."""
+    for record in records:
+        if record.coordinate != ROTATION:
+            raise ValueError(f"{record.name}: {sentence(Finding('no angle'), record.coordinate)}")
 
 
 def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:

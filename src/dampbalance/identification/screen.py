@@ -147,7 +147,8 @@ def table_of(found: Result[Any]) -> list[str]:
 def measured_table(found: Result[Any], most: int | None = None) -> list[list[str]]:
     """Return what is measured of each level, a line each with its record below a line of heads; nothing where the
     answer says it all.   most : lines, evenly chosen of more."""
-    columns, of, levels = found.basis.columns, found.coordinate, found.levels
+    columns, of = found.basis.columns, found.coordinate
+    levels = [level for level in found.levels if isinstance(level, Level)]
     if not columns:
         return []
     if most and len(levels) > most:

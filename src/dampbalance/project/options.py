@@ -99,7 +99,7 @@ class _OfOscillator(TypedDict, total=False):
     # fixture, driver and half of the springs move along and are seldom weighed: 0.5 %
     mass: Annotated[Stated | None, Option(
         "mass m (kg m² of a rotation): tests stiffness and gains, sharpens K_z, or gives the stiffness where that is "
-        "left out; unless stated, its standard uncertainty is 0.5 %, or half a unit of the last digit of a text",
+        "left out; unless stated, its standard uncertainty is 0.5 %, however many digits it has",
         None, NUMBERS["m"], 0.005)]
 
 
@@ -118,6 +118,12 @@ class _OfForced(TypedDict, total=False):
 class _OfForcedOrLoops(TypedDict, total=False):
     skip_cycles: Annotated[int, Option(
         "cycles left out at the start of each record, where the motion has not settled", 0, Bounds("", 0, 1_000_000))]
+
+
+class _OfDecays(TypedDict, total=False):
+    pendulum: Annotated[bool, Option(
+        "whether the record is the angle of a pendulum, whose restoring torque is k sin θ with k = m g L; where it is "
+        "not said, that is tried if a spring does not explain the decays", False)]
 
 
 class _OfForcedOrDecays(TypedDict, total=False):
@@ -156,7 +162,7 @@ class ForcedOptions(
     """Options of `identify_forced`."""
 
 
-class DecayOptions(_OfOscillator, _OfForcedOrDecays):
+class DecayOptions(_OfOscillator, _OfDecays, _OfForcedOrDecays):
     """Options of `identify_decays`."""
 
 
@@ -168,7 +174,7 @@ class LoopOptions(_OfForcedOrLoops, _OfLoops):
     """Options of `identify_loops`."""
 
 
-class AnyOptions(ForcedOptions, _OfSteppedSine, _OfLoops):
+class AnyOptions(ForcedOptions, _OfDecays, _OfSteppedSine, _OfLoops):
     """Options of `identify`."""
 
 

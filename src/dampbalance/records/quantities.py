@@ -36,13 +36,12 @@ _EXAMPLES = {
 class Quantity(NamedTuple):
     """A number in SI.
 
-    error : its standard uncertainty, where one is written.   last_digit : one unit of its last digit.
+    error : its standard uncertainty, where one is written.
     coordinate : of the unit that is written; None where none is.
     """
 
     value: float
     error: float | None
-    last_digit: float
     coordinate: Coordinate | None
 
 
@@ -70,9 +69,8 @@ def read_quantity(name: str, text: str, bounds: Bounds | None = None) -> Quantit
     except UnitError as unfit:
         _refuse_text(name, bounds, text, f": {unfit}")
     value = number(name, float(plain) * factor, bounds)
-    last_digit = 10.0 ** int(plain.as_tuple().exponent) * factor
     uncertainty = float(error) * of_its_error * (value if relative else 1.0)
-    return Quantity(value, uncertainty if len(parts) == 2 else None, last_digit, coordinate)
+    return Quantity(value, uncertainty if len(parts) == 2 else None, coordinate)
 
 
 def _factor(si: str, unit: str) -> tuple[float, Coordinate | None]:
@@ -124,18 +122,17 @@ def with_error(
     """Return a number and its standard uncertainty, SI: 2310.0, (2310.0, 10.0), or a text as `read_quantity` reads it,
     "2310±10" or "5.2 N/mm ± 1 %".
 
-    uncertainty : of a number alone, as a part of it, above 0; half a unit of the last digit of a text where that is
-    more: a number has no digits. With 0.005, 3.1 has one of 0.0155, and so has "3.100"; "3.1" has 0.05. (3.1, 0.0) and
-    "3.1±0" are exact.
+    uncertainty : of a number alone, as a part of it. With 0.005, 3.1, "3.1" and "3.100" have one of 0.0155. (3.1, 0.0)
+    and "3.1±0" are exact.
     """
-    bounds, last_digit = bounds or NUMBERS[name], 0.0
+    bounds = bounds or NUMBERS[name]
     pair: Any = value
     if isinstance(value, str):
-        plain, error, last_digit, _ = read_quantity(name, value, bounds)
+        plain, error, _ = read_quantity(name, value, bounds)
         pair = plain if error is None else (plain, error)
     if not isinstance(pair, list | tuple) or len(pair) != 2:
         plain = number(name, pair, bounds)
-        return plain, max(0.5 * last_digit, uncertainty * plain) if uncertainty else 0.0
+        return plain, uncertainty * plain
     plain, error = number(name, pair[0], bounds), pair[1]
     if isinstance(error, bool) or not (isinstance(error, Real) and 0.0 <= float(error) < plain):
         refuse(name, f"{bounds}, with an uncertainty below it, (2310, 10) or 2310±10", value)
