@@ -268,7 +268,7 @@ class Guesses:
         alone = len(named) == 1 and not rest
         driven = len(driving) == 1 and self._words(driving[0]) != {"y"}
         if clear and answering and (driven or alone):
-            self._leave(found, rest, _TAKEN)
+            self._leave(found, found.keys() - named.keys(), _TAKEN)
         else:
             self._look(found)
         if self.mapping.free:  # a drive with a known unit is read, to see that it stands still
@@ -302,7 +302,8 @@ class Guesses:
     def _leave(found: dict[int, Guess], columns: Iterable[int], why: str) -> None:
         """Leave columns aside, unless they are already."""
         for i in columns:
-            if found[i].reason in _LEVELS or found[i].may:
+            known = found[i].quantity in ACCOMPANYING
+            if not known and (found[i].reason in _LEVELS or found[i].may):
                 found[i] = Guess("", why)
 
     def _look(self, found: dict[int, Guess]) -> None:
@@ -351,7 +352,7 @@ class Guesses:
                 chosen.append(i)
         if chosen and known:
             why = _TAKEN if drives else _DECAYS
-            self._leave(found, {*live} - {*drives, *chosen}, why)
+            self._leave(found, found.keys() - {*drives, *chosen}, why)
         rest = [i for i in live if i not in (*drives, *chosen) and found[i].reason in _LEVELS]
         self._ask(found, rest, drives)
         self._loop_of(found, [i for i in rest if level[i] == _LEVELS.index(_BY_NOTHING)])

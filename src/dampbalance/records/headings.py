@@ -13,7 +13,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 from .channel import ABSOLUTE, EXCITATIONS
-from .coordinate import TRANSLATION, Coordinate
 from .table import RawChannel, Table
 from .units import (
     DIMENSIONS,
@@ -215,12 +214,6 @@ def by_unit(raw: RawChannel) -> str | None:
     unit = find_motion(raw.unit or "")
     fitting = (*ABSOLUTE, *EXCITATIONS)
     return next((q for q in fitting if unit and DIMENSIONS[q] == unit.counterpart), None)
-
-
-def coordinate_of(raw: RawChannel) -> Coordinate:
-    """Return whether a channel moves along a line or rotates, by its unit."""
-    unit = find_motion(raw.unit or "")
-    return unit.coordinate if unit else TRANSLATION
 
 
 def words_of(name: str) -> list[str]:
