@@ -60,6 +60,10 @@ DECAYS = {
         {"pitch": DEG * X / 4.0, "pitch rate": HUM, "angular velocity (deg/s)": DEG * V / 4.0},
         {"displacement": X / 4.0, "velocity": V / 4.0},
     ),
+    "a rate by its angle": (
+        {"Winkelgeschwindigkeit": DEG * V, "Winkel": DEG * X},
+        {"velocity": V, "displacement": X},
+    ),
     "mm/s² by gravity": (
         {"accel_x": 1e3 * A, "accel_y": 20.0 * NOISE[0], "accel_z": 9810.0 + 20.0 * NOISE[1]},
         {"acceleration": A},

@@ -275,7 +275,10 @@ class Guesses:
             drives = [i for i, guess in found.items() if guess.quantity in EXCITATIONS]
             known = [i for i in drives if by_unit(self.channels[i])]
             self._leave(found, {*drives} - {*known[:1]}, _DECAYS)
-        return found | {i: self._with_unit(i, found) for i, of in found.items() if of.quantity}
+        for i in [*found, *found]:  # one may tell the unit of one before it
+            if found[i].quantity and not found[i].unit:
+                found[i] = self._with_unit(i, found)
+        return found
 
     def _by_heading(self, i: int) -> Guess:
         """Return the guess that name and unit of a column give."""
@@ -442,7 +445,7 @@ class Guesses:
             return replace(guess, unit=text)
         order = ORDERS.get(guess.quantity, -1)
         for j, other in found.items() if guess.quantity in ABSOLUTE else ():
-            known = find_motion(unit_of(self.channels[j]) or "")
+            known = find_motion(other.unit or unit_of(self.channels[j]) or "")
             if known is None or other.quantity not in ABSOLUTE:
                 continue
             after = ORDERS[other.quantity] > order
