@@ -9,6 +9,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from dampbalance import Oscillator, RecordError, identify, measured_ring_down, read_records
+from folders import ROOT
 
 OSC = Oscillator(m=2.1, c=0.12, k=240.0, K_z=5000.0, F_k=0.05)
 TICK = 2.0 * np.pi / 4096
@@ -182,3 +183,18 @@ def test_all_that_is_wrong_with_a_clock_is_said_with_its_place(name, kind, tmp_p
         frame.to_csv(tmp_path / "run.csv", index=False)
     with pytest.raises(RecordError, match=message):
         read_records(tmp_path / "run.csv" if kind == "file" else frame)
+
+
+def test_the_two_rates_of_a_tribometer():
+    path = ROOT.parent / "shared/data/loops/tribometer.txt"
+    if not path.is_file():
+        pytest.skip("the measured loops are not here")
+    frame = pd.read_csv(path, sep="\t")
+    part = frame[:2000]  # a tenth of it at half the rate
+    for rows, missing in ((frame, 179), (part, 0)):
+        record = read_records(rows)[0]
+        channel = record["displacement"]
+        t, x = rows["Time [s]"].to_numpy(), 1e-3 * rows["Position [mm]"].to_numpy()
+        assert np.sum(channel.missing if missing else 0) == missing
+        assert t.size + 178 <= channel.t.size <= t.size + 179
+        np.testing.assert_allclose(channel.values, np.interp(channel.t, t, x), atol=2e-6)

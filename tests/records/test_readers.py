@@ -93,6 +93,8 @@ LAYOUTS = {
     "semicolon and decimal comma": HEADER.replace(",", ";") + rows(";", ","),
     "tab and decimal comma": HEADER.replace(",", "\t") + rows("\t", ","),
     "tab": HEADER.replace(",", "\t") + rows("\t"),
+    "a tab before each line": re.sub(r"(?m)^(?=.)", "\t", HEADER.replace(",", "\t") + rows("\t")),
+    "a tab before each row": HEADER.replace(",", "\t") + re.sub(r"(?m)^(?=.)", "\t", rows("\t")),
     "bar": HEADER.replace(",", "|") + rows("|"),
     "blanks": "time_s  base_mm  acc_g\n" + rows("   "),
     "blanks, names in two words": "time [s]  base displacement [mm]  acc [g]\n" + rows(" "),
@@ -112,7 +114,7 @@ LAYOUTS = {
 
 @pytest.mark.filterwarnings("ignore:.*channels not used")
 @pytest.mark.parametrize("text", LAYOUTS.values(), ids=LAYOUTS)
-@pytest.mark.parametrize("suffix", [".csv", ".txt"])
+@pytest.mark.parametrize("suffix", [".csv", ".txt", ".lvm"])
 def test_text_layouts(tmp_path, text, suffix):
     path = tmp_path / f"run{suffix}"
     path.write_bytes(text.encode())

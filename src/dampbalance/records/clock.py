@@ -80,9 +80,11 @@ class Clock:
         A row at a sample gives it; between rows is a cubic spline. The signal of an encoder, with a row for each tick,
         is half a tick behind at each row, and less than half a tick off the last row between two: both are used.
         """
+        number, values, at = self.number, signal[self.rows], np.arange(self.t.size)
+        if np.array_equal(number, at) and not np.isnan(values).any():
+            return values, None
         from scipy.interpolate import CubicSpline  # slow to import
 
-        number, values, at = self.number, signal[self.rows], np.arange(self.t.size)
         after = np.searchsorted(number, at).clip(1, number.size - 1)
         nearest = after - (at - number[after - 1] < number[after] - at)
         missing = self.gap | np.isnan(values[nearest])
@@ -324,7 +326,7 @@ def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
     for one in signals:
         own, before, after = (_rough(one, closed, j, 4) for j in (i, i - _AROUND, i + _AROUND))
         moves = np.nansum([moves, _rough(one, closed, i, 0) - own])
-        breaks = np.nansum([breaks, own - 0.5 * (before + after)])
+        breaks = np.nansum([breaks, own - np.fmax(before, after)])
     return bool(moves > _CLEAR and breaks < _CLEAR)
 
 
