@@ -227,11 +227,19 @@ def _of_excerpts(whole: Decay, swings: Swings, k: float) -> DecayFit | None:
     of_cycles = zeros.size // 2
     if sys.stderr.isatty():
         print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
-    fit = _grown([replace(one, whole=None, of_cycles=of_cycles) for one in parts], swings, k)
+    parts = [replace(one, whole=None, of_cycles=of_cycles) for one in parts]
+    fit = _grown(parts, swings, k)
     if fit is None or fit.white:
         return fit and with_noise_of(fit)
     bent = with_one_more(fit)
-    return with_noise_of(bent) if bent is not None and bent.white else in_the_band(fit)
+    if bent is not None and bent.white:
+        return with_noise_of(bent)
+    # what is not white may have led it astray, to an early rest
+    fit = replace(fit, problem=replace(fit.problem, decays=tuple(parts)))
+    F_k, c, m = swings.oscillator(k)
+    states = [swings.start_at(one.start) for one in parts]
+    common = np.array([F_k, c, 1.0 / math.sqrt(_FIRST_STIFFNESSES[-1] * k), m])
+    return in_the_band(fit, fit.problem.point(common, np.zeros(fit.problem.offsets), states))
 
 
 def _grown(
@@ -473,12 +481,12 @@ def _band_from_earliest(
     return None if best is None else without_spring(with_noise_of(best))
 
 
-def in_the_band(fit: DecayFit) -> DecayFit | None:
-    """Return the fit of the same decays in the band of the mode."""
+def in_the_band(fit: DecayFit, *starts: Array) -> DecayFit | None:
+    """Return the fit of the same decays in the band of the mode.   starts : to climb from as well."""
     one = fit.decays[0]
     dt = max(signal.dt for decay in fit.decays for signal in decay.signals)
     problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt)).with_free("k_3")
-    best = _first(minimise(problem, [fit.point], scanned=""))
+    best = _first(minimise(problem, [fit.point, *starts], scanned=""))
     return None if best is None else without_spring(with_noise_of(best))
 
 

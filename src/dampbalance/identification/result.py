@@ -155,7 +155,8 @@ class Result(Generic[B]):
         """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
         folded onto one cycle), friction (force against displacement) and balance (its rows, and what they leave);
         of free decays decays (each with the motion fitted to it) and damping (over the amplitude); of a stepped sine
-        loss and stiffness (against the amplitude) and distribution (of the contact over the amplitude at which it slips)."""
+        loss and stiffness (against the amplitude) and distribution (of the contact over the amplitude at which it
+        slips)."""
         return tuple(self.pictures)
 
     @property
