@@ -14,7 +14,8 @@ from scipy.linalg import expm
 from blind.decays import draw, record
 from dampbalance.fit.decay import Decay, DecayFit
 from dampbalance.fit.minimise import minimise
-from dampbalance.fit.search import Swings, _before, in_the_band, to_the_end
+from dampbalance.fit.search import _before, in_the_band, to_the_end
+from dampbalance.fit.swings import Swings
 from dampbalance.identification.decays import identify_decay_records
 from dampbalance.signals.bursts import Burst
 from fit.exact import decay_of, fitted

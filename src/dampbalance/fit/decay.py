@@ -61,8 +61,7 @@ _LOOSEST, _STIFFEST = (
     1e-4,
     1e5,
 )  # of K_z/k: contacts that stand for none and for a rigid one, to 1e-5 of F_k/k
-# of K_z/k: a limit above is none, as a mass at rest rings on such a contact between samples, and not on a rigid one
-_AS_RIGID = 1e4
+_AS_RIGID = 1e4  # of K_z/k: a higher limit is none, as on it a mass rings between samples
 _DAMPED = 2.0  # of c over √(km): a motion that still oscillates
 _MASS_RANGE = 10.0  # of the mass over that of the start, either way: three times the period
 _UNNOTICED = 1e-9  # of the force of the spring: a friction that no motion shows

@@ -29,11 +29,11 @@ from ..motion.events import PHASE_S, PHASE_X
 from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
 from ..signals.band import Band
 from ..signals.bursts import Burst, Signal, bursts_of, sharpest
-from ..signals.log_decrement import displacement_in
 from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
 from .decay import COMMON, FURTHER, STATE, Decay, DecayFit, DecayProblem, with_noise_of
 from .minimise import climb_on, climbs, likely, minimise, profile
+from .swings import SLOWER, Swings
 
 _FIRST_STIFFNESSES = (
     4.0,
@@ -53,15 +53,6 @@ _FIRST, _GROWTH = (
     1.3,
     1.7,
 )  # cycles that are fitted first: two turns and the way there; growth from one to the next
-_WINDOW = 0.6  # of a cycle before the turn of a burst: its first swing
-_SLOWER = 0.6  # of the period in the spectrum: that of the swings is no other than this either way
-_SHORTEST = 3.0  # samples of a period, of which a band can be cut
-_FEWEST_SWINGS = 4  # that tell the period better than the spectrum
-_LEAST_RATIO, _LOST_UNKNOWN = (
-    0.3,
-    0.2,
-)  # of one swing to the next; lost of the first where there is no second
-_SMALL_SWING = 0.08  # of the largest swing: below it sticking bends the line
 _FEWEST_SAMPLES = 4 * (len(OSCILLATOR_UNKNOWNS) + STATE)  # samples of a decay
 _BACK, _MOST_BACK = (
     24,
@@ -143,7 +134,7 @@ def _of_burst(
     """
     if surest is not None:
         own = 2.0 * math.pi * math.sqrt(surest.m / blank.k)
-        burst = replace(burst, period=max(own, _SLOWER * burst.period))
+        burst = replace(burst, period=max(own, SLOWER * burst.period))
     swings = Swings(lead, burst, blank.pendulum)
     if swings.zeros.size < 2:
         return None
@@ -173,56 +164,6 @@ def _of_burst(
     return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _LEAST_SWING * burst.swing else None
 
 
-class Swings:
-    """The swings of a burst in the band of the mode.
-
-    zeros : times at which the displacement passes its mean, s.   speeds : there, m/s.   sizes : of the swings between
-    its turns, m.   swing : of the burst, m.   period : s.
-    """
-
-    def __init__(self, lead: Signal, burst: Burst, pendulum: bool = False) -> None:
-        """Read the swings of a channel, the period first from the spectrum and then from the zeros."""
-        part = lead.between(burst.earliest, burst.end)
-        self.swing, self.period = burst.swing, burst.period
-        for _ in range(2):
-            band = Band.about(1.0 / max(self.period, _SHORTEST * part.dt), part.dt)
-            x = displacement_in(part, band)
-            at = np.flatnonzero(x[:-1] * x[1:] <= 0.0)
-            share = x[at] / np.where(x[at] == x[at + 1], 1.0, x[at] - x[at + 1])
-            zeros = part.t[at] + share * part.dt
-            turns = np.array([np.abs(x[i + 1 : j + 1]).max() for i, j in itertools.pairwise(at)])
-            clear = turns > _SMALL_SWING * turns.max(initial=0.0)
-            clear = np.flatnonzero(clear & (zeros[:-1] >= burst.turn - _WINDOW * burst.period))
-            if clear.size >= _FEWEST_SWINGS:
-                period = 2.0 * float(np.median(np.diff(zeros)[clear]))
-                self.period = float(np.clip(period, _SLOWER * burst.period, burst.period / _SLOWER))
-        inside = slice(clear[0], clear[-1] + 2) if clear.size else slice(0)
-        tops = turns[clear[0] : clear[-1] + 1] if clear.size else turns[:0]
-        self.zeros, self.sizes = zeros[inside], tops[:-1] + tops[1:]
-        signs = np.sign(x[at + 1] - x[at])[inside]
-        if pendulum:  # by its energy
-            tops = 2.0 * np.sin(0.5 * np.minimum(tops, math.pi))
-        self.speeds = signs * np.append(tops, tops[-1:]) * 2.0 * math.pi / self.period
-
-    def start_at(self, t: float) -> Array:
-        """Return the state x, ẋ, w at the zero next to a time."""
-        v = float(self.speeds[int(np.argmin(np.abs(self.zeros - t)))])
-        return np.array([0.0, v, 1.0 + math.copysign(1.0, v)])
-
-    def oscillator(self, k: float) -> tuple[float, float, float]:
-        """Return F_k, c and m by the line through the pairs of swings; friction and damping in halves where that
-        bends."""
-        D = self.sizes if self.sizes.size > 1 else self.swing * np.array([1.0, 1.0 - _LOST_UNKNOWN])
-        ratio, lost = np.polyfit(D[:-1], D[1:], 1) if D.size > 2 else (1.0, 0.0)
-        if not (_LEAST_RATIO < ratio < 1.0 and lost < 0.0):
-            fall = max(1.0 - float(D[-1] / D[0]) ** (1.0 / (D.size - 1)), 1e-3)
-            ratio, lost = max(1.0 - 0.5 * fall, _LEAST_RATIO), -0.5 * fall * float(D.mean())
-        beta = -math.log(ratio) / math.pi
-        zeta = beta / math.hypot(1.0, beta)
-        m = k * (self.period / (2.0 * math.pi)) ** 2 * (1.0 - zeta**2)
-        return -k * float(lost) / (2.0 * (1.0 + ratio)), 2.0 * zeta * math.sqrt(k * m), m
-
-
 def _of_excerpts(whole: Decay, swings: Swings, blank: DecayProblem) -> DecayFit | None:
     """Return the fit of some excerpts of a decay of very many cycles, each with a start state: they share F_k, c and m,
     and take little time. The first begins after what the release disturbs."""
@@ -233,11 +174,19 @@ def _of_excerpts(whole: Decay, swings: Swings, blank: DecayProblem) -> DecayFit 
     of_cycles = zeros.size // 2
     if sys.stderr.isatty():
         print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
-    fit = _grown([replace(one, whole=None, of_cycles=of_cycles) for one in parts], swings, blank)
+    parts = [replace(one, whole=None, of_cycles=of_cycles) for one in parts]
+    fit = _grown(parts, swings, blank)
     if fit is None or fit.white:
         return fit and with_noise_of(fit)
     bent = with_one_more(fit)
-    return with_noise_of(bent) if bent is not None and bent.white else in_the_band(fit)
+    if bent is not None and bent.white:
+        return with_noise_of(bent)
+    # what is not white may have led it astray, to an early rest
+    fit = replace(fit, problem=replace(fit.problem, decays=tuple(parts)))
+    F_k, c, m = swings.oscillator(k)
+    states = [swings.start_at(one.start) for one in parts]
+    common = np.array([F_k, c, 1.0 / math.sqrt(_FIRST_STIFFNESSES[-1] * k), m])
+    return in_the_band(fit, fit.problem.point(common, np.zeros(fit.problem.offsets), states))
 
 
 def _grown(
@@ -483,12 +432,12 @@ def _band_from_earliest(
     return None if best is None else without_spring(with_noise_of(best))
 
 
-def in_the_band(fit: DecayFit) -> DecayFit | None:
-    """Return the fit of the same decays in the band of the mode."""
+def in_the_band(fit: DecayFit, *starts: Array) -> DecayFit | None:
+    """Return the fit of the same decays in the band of the mode.   starts : to climb from as well."""
     one = fit.decays[0]
     dt = max(signal.dt for decay in fit.decays for signal in decay.signals)
     problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt)).with_free("k_3")
-    best = _first(minimise(problem, [fit.point], scanned=""))
+    best = _first(minimise(problem, [fit.point, *starts], scanned=""))
     return None if best is None else without_spring(with_noise_of(best))
 
 

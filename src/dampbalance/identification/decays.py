@@ -163,10 +163,10 @@ class DecayBasis:
         from . import pictures as drawn  # slow to import
 
         pictures = {"decays": Picture(drawn.decays, (self.fit, self.half_cycles.turns))}
-        if self.damping:
-            pictures["damping"] = Picture(drawn.damping, (self.damping,))
         if len(self.half_cycles.columns):
             pictures["balance"] = Picture(drawn.balance, (found.approaches, False))
+        if self.damping:
+            pictures["damping"] = Picture(drawn.damping, (self.damping,))
         return pictures
 
 

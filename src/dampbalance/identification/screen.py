@@ -61,7 +61,7 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     check = agreement(found) if found.check is None else " ".join(found.in_sentences(found.check))
     numbers = wrapped([*damping_of(found), check], width)
     causes = wrapped([f"- {one}" for one in causes], width)
-    swings = damping_table(found.levels, found.coordinate)
+    swings = damping_table(found.levels, found.coordinate, width)
     parts = [causes, table_of(found), numbers, swings] if first else [numbers, swings, causes]
     more = f"{left} more and " * bool(left) + "all numbers"
     last = f"See {details} for {more}, and for what they depend on."
@@ -74,7 +74,7 @@ def details(found: Result[Any], width: int | None = None) -> str:
     said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
     numbers = [*wrapped([found.head], width), "", *table_of(found), "", *said]
     tests = comparison(found, width)
-    swings = damping_table(found.levels, found.coordinate)
+    swings = damping_table(found.levels, found.coordinate, width)
     numbers += [line for table in (swings, tests) if table for line in ("", *table)]
     heading = "Causes and remedies" if found.unanswered else "What limits the answer"
     limits = limiting(found)
@@ -283,7 +283,9 @@ def damping_of(found: Result[Any]) -> list[str]:
     return sentences
 
 
-def damping_table(levels: Sequence[Level | SwingDamping], coordinate: Coordinate) -> list[str]:
+def damping_table(
+    levels: Sequence[Level | SwingDamping], coordinate: Coordinate, width: int | None = None
+) -> list[str]:
     """Return frequency and damping over the amplitude as lines, of free decays; empty for other records."""
     rows = [of for of in levels if isinstance(of, SwingDamping)]
     if not rows:
@@ -296,7 +298,8 @@ def damping_table(levels: Sequence[Level | SwingDamping], coordinate: Coordinate
         ratio = with_error(100.0 * of.ratio, 100.0 * NORMAL_95 * of.ratio_error)
         cells = [number_text(1e3 * of.X, 3), hertz, ratio, number_text(2.0 * of.ratio, 3)]
         table.append([str(of.mode)] * several + [*cells, f"{of.cycles:g}"])
-    return ["Damping over the amplitude, from the swings alone, at 95 %:", *aligned(table)]
+    title = "Damping over the amplitude, from the swings alone, at 95 %:"
+    return [*wrapped([title], width), *aligned(table)]
 
 
 def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
