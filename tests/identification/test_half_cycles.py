@@ -51,7 +51,12 @@ def check_of(decays, par, F_k, c):
 def fit_of(par, decays, point_of):
     """A fit as the balance asks for it, given by hand: its decays end with their samples."""
     return SimpleNamespace(
-        k=par.k, K_z=par.K_z, decays=decays, point_of=point_of, at_rest=lambda _: math.inf
+        k=par.k,
+        K_z=par.K_z,
+        decays=decays,
+        point_of=point_of,
+        at_rest=lambda _: math.inf,
+        problem=SimpleNamespace(pendulum=False),
     )
 
 

@@ -390,6 +390,7 @@ def _worth(answer: Answer) -> tuple[float, ...]:
     have a value; and of two that are equal in these the fit, where it is an answer."""
     verdicts = [answer.verdicts[symbol] for symbol in answer.coefficients]
     usable = sum(one.verdict == USABLE for one in verdicts)
-    bounded = sum(math.isfinite(one.within) for one in verdicts)
+    # a limit that is usable has no size, and is no worse for it
+    bounded = sum(one.verdict == USABLE or math.isfinite(one.within) for one in verdicts)
     valued = sum(one.verdict != NONE for one in verdicts)
     return usable, bounded, valued, float(answer.balance is None and answer.answered)
