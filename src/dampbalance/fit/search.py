@@ -183,9 +183,9 @@ def _of_excerpts(whole: Decay, swings: Swings, blank: DecayProblem) -> DecayFit 
         return with_noise_of(bent)
     # what is not white may have led it astray, to an early rest
     fit = replace(fit, problem=replace(fit.problem, decays=tuple(parts)))
-    F_k, c, m = swings.oscillator(k)
+    F_k, c, m = swings.oscillator(blank.k)
     states = [swings.start_at(one.start) for one in parts]
-    common = np.array([F_k, c, 1.0 / math.sqrt(_FIRST_STIFFNESSES[-1] * k), m])
+    common = np.array([F_k, c, 1.0 / math.sqrt(_FIRST_STIFFNESSES[-1] * blank.k), m])
     return in_the_band(fit, fit.problem.point(common, np.zeros(fit.problem.offsets), states))
 
 
