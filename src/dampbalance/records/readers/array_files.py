@@ -17,8 +17,8 @@ from ..units import split_label
 
 _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
 # fields of MATLAB that name the signals next to them, and those that hold their times
-_LABELS = ("names", "name", "labels", "label", "channels", "channelnames", "channel_names")
-_LABELS += ("signalnames",)
+_OF_CHANNELS = ("channels", "channelnames", "channel_names", "signalnames")
+_LABELS = ("names", "name", "labels", "label", *_OF_CHANNELS)
 _TIMES = ("t", "time", "times", "timestamp", "timestamps", "zeit")
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
