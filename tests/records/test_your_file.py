@@ -7,10 +7,10 @@ import re
 
 import numpy as np
 import pytest
-from folders import ROOT
 
 from dampbalance import read_records
 from dampbalance.records.errors import RecordError
+from folders import ROOT
 
 G = 9.80665
 RATE, HERTZ = 200.0, 2.0
