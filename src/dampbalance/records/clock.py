@@ -321,8 +321,7 @@ def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
 
 
 def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
-    """Return whether signals go on after a gap as smoothly as before it and after it, if it is closed, and less smoothly
-    if it is not."""
+    """Return whether signals go on after a gap as smoothly as before and after it if it is closed, less so if not."""
     closed, breaks = _closed(number), list[float]()
     for one in signals:
         own, before, after = (_rough(one, closed, j, 4) for j in (i, i - _AROUND, i + _AROUND))
