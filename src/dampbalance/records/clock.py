@@ -321,13 +321,13 @@ def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
 
 
 def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
-    """Return whether signals that move go on after a gap as smoothly as before it and after it, if it is closed."""
-    closed, moves, breaks = _closed(number), 0.0, 0.0
+    """Return whether signals go on after a gap as smoothly as before and after it if it is closed, less so if not."""
+    closed, breaks = _closed(number), list[float]()
     for one in signals:
         own, before, after = (_rough(one, closed, j, 4) for j in (i, i - _AROUND, i + _AROUND))
-        moves = np.nansum([moves, _rough(one, closed, i, 0) - own])
-        breaks = np.nansum([breaks, own - np.fmax(before, after)])
-    return bool(moves > _CLEAR and breaks < _CLEAR)
+        breaks.append(own - np.fmax(before, after))
+    alone = np.array([i])
+    return bool(np.nansum(breaks) < _CLEAR and _likelier(signals, number, closed, alone) < -_CLEAR)
 
 
 def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]] | None:
