@@ -376,7 +376,7 @@ WRONG = {
     "infinite": (with_value("displacement_m", 500, np.inf), "first.csv: line 502: "),
     "no base": (lambda t: t.drop(columns="base_displacement_m"), "base_displacement"),
     "unit": (lambda t: t.assign(displacement_m=1e3 * t["displacement_m"]), "first.csv"),
-    "gap": (lambda t: t.drop(index=range(1000, 1400)), "has a gap"),
+    "two runs": (lambda t: pd.concat([t, t]), "a second run begins at line"),
     "unequal lengths": (
         lambda t: t.assign(acceleration_m_per_s2=t["acceleration_m_per_s2"].where(t.index < 5000)),
         "first.csv",

@@ -38,7 +38,8 @@ def require_rotation(records: Sequence[Record]) -> None:
     """Raise ValueError for the first record that does not rotate: no pendulum."""
     for record in records:
         if record.coordinate != ROTATION:
-            raise ValueError(f"{record.name}: {sentence(Finding('no angle'), record.coordinate)}")
+            why = sentence(Finding("no angle"), record.coordinate)
+            raise ValueError(f"{record.name}: {why}")
 
 
 def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
