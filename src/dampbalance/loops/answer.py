@@ -27,7 +27,7 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.level import Level
+from ..identification.level import Column, Level
 from ..identification.request import read_request
 from ..identification.result import Picture, Result
 from ..identification.sensitivities import Fault
@@ -124,16 +124,16 @@ class LoopBasis:
 
     kind: ClassVar[str] = "loops"
     mass_tests: ClassVar[bool] = False
-    columns: ClassVar[Mapping[str, tuple[str, str]]] = {
-        **{
-            "X_m": ("X", "mm"),
-            "cycles": ("n", ""),
-            "W_J": ("W", "J"),
-            "W_over_4X_N": ("W/4X", "N"),
-        },
-        **{"secant_stiffness_N_per_m": ("k_s", "N/mm"), "equivalent_damping_ratio": ("ζ_eq", "%")},
-        "force_at_largest_displacement_N": ("F+", "N"),
-        "force_at_smallest_displacement_N": ("F−", "N"),
+    columns: ClassVar[Mapping[str, Column]] = {
+        "level": Column("record"),
+        "X_m": Column("X", "mm"),
+        "cycles": Column("n"),
+        "W_J": Column("W", "J"),
+        "W_over_4X_N": Column("W/4X", "N"),
+        "secant_stiffness_N_per_m": Column("k_s", "N/mm"),
+        "equivalent_damping_ratio": Column("ζ_eq", "%"),
+        "force_at_largest_displacement_N": Column("F+", "N"),
+        "force_at_smallest_displacement_N": Column("F−", "N"),
     }
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
@@ -521,7 +521,8 @@ def _rig(
 ) -> Iterator[Finding]:
     """Yield findings on fit, loads, spring, gap, and history of the cycles.   normal : mean normal force, N."""
     of, errors = fit.values, fit.errors
-    fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, loops))
+    settled = [loop.settled() for loop in loops]
+    fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, settled))
     if fitted < total:
         yield Finding("excerpt", {"fitted": fitted, "all": total, "runs": MOST_BLOCKS})
     if np.ptp([loop.load for loop in loops]) > _DIFFER:
