@@ -44,8 +44,10 @@ def turning_points(x: Array, least: float) -> Integers:
 
 
 def corners(x: Array, turns: Integers, noise: float) -> Array:
-    """Return the displacement through which x passes between two samples, (n − 1,): of a sharp reversal that falls
-    between them, as a triangle has, that of its corner; else of the later sample.
+    """Return the displacement through which x passes between two samples, (n − 1,): of a reversal that falls between
+    them its peak, else that of the later sample.
+
+    The peak is that of a parabola through three samples or, where the reversal is sharp as a triangle's, its corner.
 
     The second differences of a kink of size S at a part φ of a step are S(1 − φ) and Sφ, beyond those of the smooth
     motion around, and the corner lies ½ S min(φ, 1 − φ) above the larger sample.
@@ -60,6 +62,8 @@ def corners(x: Array, turns: Integers, noise: float) -> Array:
         above = 0.5 * (float(around[1:3].min()) - smooth)
         if above > max(_SHARP * noise, abs(smooth)):
             through[first] = x[p] + way * above
+        elif abs(slope := 0.5 * float(x[p + 1] - x[p - 1])) < 0.5 * abs(bend[p]):
+            through[p - (slope * way < 0.0)] = x[p] - 0.5 * slope**2 / bend[p]
     return through
 
 
@@ -92,7 +96,7 @@ class Loop:
     """A record of force and displacement, ready for the fit.
 
     t : s; numbers of the samples where `timed` is false.   x : displacement, smoothed where it is noisy, m.   through :
-    that of corners between samples, m.   v : velocity, m/s.   f : force, N, its sign such that energy is lost.
+    that of reversals between samples, m.   v : velocity, m/s.   f : force, N, its sign such that energy is lost.
     cycle : number of the cycle of each sample; −1 outside of them.   first : number of the first one in the record.
     N : normal force, N, where it was measured.   load : friction force of the record over that of all, as the normal
     force makes it.
