@@ -24,6 +24,7 @@ _NEAR_PEAK = (
 # noise of x over its range from which on it is smoothed: else z reverses with it
 _SMOOTHED = 1e-3
 _SHARP = 4.0  # standard deviations of noise, from which on a bend of x is a corner
+_AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
 _OF_PERIOD, _OF_PERIOD_V = 40, 16  # windows of x and ẋ are these parts of a period
 _CERTAIN = 4.0  # standard errors by which energy is gained
 
@@ -62,7 +63,7 @@ def corners(x: Array, turns: Integers, noise: float) -> Array:
         above = 0.5 * (float(around[1:3].min()) - smooth)
         if above > max(_SHARP * noise, abs(smooth)):
             through[first] = x[p] + way * above
-        elif abs(slope := 0.5 * float(x[p + 1] - x[p - 1])) < 0.5 * abs(bend[p]):
+        elif abs(slope := 0.5 * float(x[p + 1] - x[p - 1])) < _AROUND_PEAK * abs(bend[p]):
             through[p - (slope * way < 0.0)] = x[p] - 0.5 * slope**2 / bend[p]
     return through
 
