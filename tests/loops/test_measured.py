@@ -105,6 +105,17 @@ def test_two_columns_are_asked_for_what_they_lack_and_nothing_else(tmp_path, swa
     assert identify(file).values["F_k"] == pytest.approx(F_K, rel=0.01)
 
 
+@pytest.mark.parametrize(("drift", "known"), [(0.1, True), (1.5, False)])
+def test_a_motion_whose_mean_drifts_by_more_than_its_amplitude_has_none(drift, known):
+    x = SINE + drift * X * T  # in a cycle of 1 s
+    force = K_Z * stepped(x, F_K / K_Z)
+    for level in identify_loops({"time_s": T, "displacement_m": x, "force_N": force}).levels:
+        shown = level.document(math.nan, math.nan)
+        assert shown["W_J"] > 0.0
+        for key in ("X_m", "secant_stiffness_N_per_m", "equivalent_damping_ratio"):
+            assert math.isnan(shown[key]) != known
+
+
 def test_two_columns_that_do_not_go_round_are_no_loop(tmp_path):
     file = tmp_path / "records.csv"
     columns = np.column_stack([SINE, np.sin(5.1 * np.pi * T)])

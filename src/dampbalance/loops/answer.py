@@ -95,10 +95,10 @@ def measures(X: Any, W: Any, peaks: Array) -> dict[str, Any]:
     NaN if these do not oppose each other; ζ_eq = W/(4π · ½ k_s X²) (Chopra, Dynamics of Structures, Sec. 3.9); and the
     backbone.
 
-    X : amplitude, m.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`, (…, 4).
+    X : amplitude, m; NaN of a cycle that does not close.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`.
     """
     high, low, up, down = peaks.T
-    stiffness = np.where(up > down, (up - down) / (high - low), math.nan)
+    stiffness = np.where((up > down) & (X > 0.0), (up - down) / (high - low), math.nan)
     return {
         "W_over_4X_N": W / (4.0 * X),
         "secant_stiffness_N_per_m": stiffness,
@@ -171,7 +171,12 @@ class LoopBasis:
                 duration = float(np.median(samples[own]) * (loop.t[1] - loop.t[0]))
                 omega = 2.0 * math.pi / duration if loop.timed else math.nan
                 X, W, of_friction = (
-                    float(of[own].mean()) for of in (loop.amplitudes, loop.lost, friction)
+                    float(of[own].mean())
+                    for of in (
+                        np.where(loop.closed, loop.amplitudes, math.nan),
+                        loop.lost,
+                        friction,
+                    )
                 )
                 more = measures(X, W, loop.peaks[own].mean(axis=0))
                 zeta = more["equivalent_damping_ratio"]
@@ -274,7 +279,8 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
         columns |= {"K_z_N_per_m": math.nan, "mean_force_N": loop.means(loop.f)}
         columns |= {"equivalent_damping_N_s_per_m": loop.lost / b}
         columns |= {"equivalent_stiffness_N_per_m": loop.means(f * x) / loop.means(x**2)}
-        columns |= measures(loop.amplitudes, loop.lost, loop.peaks)
+        X = np.where(loop.closed, loop.amplitudes, math.nan)
+        columns |= measures(X, loop.lost, loop.peaks)
         if fit:
             a, _, W = row_of(loop, fit)
             friction = (W - c * np.nan_to_num(b)) / np.where(a > 0.0, a / loop.load, np.nan)

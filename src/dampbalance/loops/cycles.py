@@ -240,3 +240,10 @@ class Loop:
     def amplitudes(self) -> Array:
         """X of each cycle, m."""
         return 0.5 * (self._reduced(np.maximum, self.x) - self._reduced(np.minimum, self.x))
+
+    @cached_property
+    def closed(self) -> Mask:
+        """Whether each cycle ends within an amplitude of where it began: else the mean drifts, and X is none."""
+        x = self.x[self.own]
+        ends = [(x[own.start], x[own.stop - 1]) for own in self.slices]
+        return np.abs(np.diff(ends)[:, 0]) <= self.amplitudes
