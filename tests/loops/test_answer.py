@@ -397,7 +397,7 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
         # five standard errors; the corner between samples makes 0.1 %
         assert abs(found.values[symbol] - true) < 5.0 * found.standard_errors[symbol] + 1e-3 * true
-    assert "is fitted to 48 of the 199 cycles" in found.text()
+    assert "is fitted to 48 of the 198 cycles" in found.text()
     np.testing.assert_allclose(history(found)["F_k_N"][1:], F_K, rtol=0.02)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -78,28 +79,41 @@ def test_without_times_nothing_has_a_time(tmp_path):
     found.save(tmp_path / "out")
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("swapped", "head"), [(False, ""), (True, ""), (False, "displacement,force")]
 )
-def test_two_columns_without_units_are_asked_for_these_and_nothing_else(tmp_path, swapped, head):
-    """No head: the column that lies ahead of the other one is the force, by the area of the loop."""
-    force = loop(c=0.0).f
+def test_two_columns_are_asked_for_what_they_lack_and_nothing_else(tmp_path, swapped, head, sign):
+    """No head: which of them lies ahead of the other one follows from the sign of the force as well."""
+    force = sign * loop(c=0.0).f
     first, second = (force, SINE) if swapped else (SINE, force)
     file = tmp_path / "loops.csv"
     columns = np.column_stack([first, second])
     np.savetxt(file, columns, delimiter=",", header=head, comments="")
-    with pytest.raises(ValueError, match="in which units are") as refused:
+    asked = "in which units are" if head else "hold: displacement or force"
+    with pytest.raises(ValueError, match=asked) as refused:
         identify(file)
     draft = str(refused.value)
     assert not [word for word in ("sample_rate", "unit: m", "unit: N") if word in draft]
-    lines = dict(line.strip().split(": ", 1) for line in draft.splitlines() if "{channel" in line)
+    draft = draft[draft.index("channels:") :].replace("\n  ", "\n")
     for quantity, unit, at in (("displacement", "m", swapped), ("force", "N", not swapped)):
-        assert (f"column {1 + at}" if not head else quantity) in lines[quantity]
-        draft = draft.replace(lines[quantity], lines[quantity].replace("?", unit))
-    (tmp_path / "loops.csv.yaml").write_text(
-        draft[draft.index("channels:") :].replace("\n  ", "\n")
-    )
+        name = quantity if head else f'"what is column {1 + at}?"'
+        (line,) = re.findall(f"^ *{re.escape(name)}: .*", draft, re.MULTILINE)
+        known = line.replace(f"{name}:", f"{quantity}:").replace('unit: "?"', f"unit: {unit}")
+        draft = draft.replace(line, known)
+    (tmp_path / "loops.csv.yaml").write_text(draft)
     assert identify(file).values["F_k"] == pytest.approx(F_K, rel=0.01)
+
+
+@pytest.mark.parametrize(("drift", "known"), [(0.1, True), (1.5, False)])
+def test_a_motion_whose_mean_drifts_by_more_than_its_amplitude_has_none(drift, known):
+    x = SINE + drift * X * T  # in a cycle of 1 s
+    force = K_Z * stepped(x, F_K / K_Z)
+    for level in identify_loops({"time_s": T, "displacement_m": x, "force_N": force}).levels:
+        shown = level.document(math.nan, math.nan)
+        assert shown["W_J"] > 0.0
+        for key in ("X_m", "secant_stiffness_N_per_m", "equivalent_damping_ratio"):
+            assert math.isnan(shown[key]) != known
 
 
 def test_two_columns_that_do_not_go_round_are_no_loop(tmp_path):

@@ -65,10 +65,11 @@ from .decay_laws import (
 )
 from .diagnosis import on_mass
 from .half_cycles import A, B, DecayRows, W, rows_of
+from .level import Column
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
 from .rigs import require_rotation
-from .screen import damping_table, implied
+from .screen import implied, measured_lines
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
 
@@ -98,7 +99,14 @@ class DecayBasis:
 
     kind: ClassVar[str] = "ring-down"
     mass_tests: ClassVar[bool] = True
-    columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    columns: ClassVar[Mapping[str, Column]] = {
+        "mode": Column("mode"),
+        "X_m": Column("X", "mm"),
+        "frequency_Hz": Column("f", "Hz", "frequency_standard_error_Hz"),
+        "damping_ratio": Column("ζ", "%", "damping_ratio_standard_error"),
+        "loss_factor": Column("η"),
+        "cycles": Column("cycles"),
+    }
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return what each further coefficient would explain, the standard deviation of the friction forces, 0
@@ -234,7 +242,8 @@ def _with_damping(
 ) -> ValueError:
     """Return an error with the table of the damping as a note: the swings show it without a fit."""
     if damping:
-        error.add_note("\n".join(damping_table(damping, records[0].coordinate)))
+        levels = [one.document() for one in damping]
+        error.add_note("\n".join(measured_lines(DecayBasis, levels, records[0].coordinate)))
     return error
 
 

@@ -48,7 +48,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
         **of_kind,
         "damping": {
             "damping_ratio": found.damping_ratio,
-            "levels": [level.document(found.k, found.mass) for level in found.levels],
+            "levels": found.level_documents,
         },
         "sensitivities_of": of,
         "sensitivities": {

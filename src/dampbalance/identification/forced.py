@@ -58,7 +58,7 @@ from .balance_check import contradiction, notes_on
 from .causes import GRADUAL, condition_on_contact
 from .diagnosis import agreement, on_records
 from .law_comparison import compare_laws
-from .level import Level
+from .level import Column, Level
 from .loading import load, require_different_levels, unclipped
 from .oscillator import (
     CommonFit,
@@ -105,7 +105,7 @@ class ForcedBasis:
 
     kind: ClassVar[str] = "forced"
     mass_tests: ClassVar[bool] = True
-    columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    columns: ClassVar[Mapping[str, Column]] = {}
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return the microstick line and the features of each record."""

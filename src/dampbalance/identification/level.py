@@ -4,7 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
+
+
+class Column(NamedTuple):
+    """A column of the table of what is measured of each level.
+
+    symbol, unit : in its head.   error : the key of the standard error; none of a number without one.
+    """
+
+    symbol: str
+    unit: str = ""
+    error: str = ""
+
+
+class Measured(Protocol):
+    """What is measured in a range of the amplitude: `Level` or `signals.log_decrement.SwingDamping`."""
+
+    def document(self, k: float, m: float) -> dict[str, Any]:
+        """Return it by the keys of the document.   k : of the spring, N/m.   m : kg."""
 
 
 class Level(NamedTuple):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path, PurePath
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -54,6 +54,7 @@ from .screen import (
     measured_caption,
     measured_table,
     named,
+    short,
     value_of,
     worded_first,
 )
@@ -98,7 +99,6 @@ def report(found: Result[Any], folder: Path | None = None) -> str:
         effects=effects,
         effects_of=of,
         files=dict(zip(found.sources, files, strict=True)),
-        levels=[level.document(found.k, found.mass) for level in found.levels],
     )
 
 
@@ -110,6 +110,7 @@ def notebook(found: Result[Any]) -> str:
 def _page(template: str, found: Result[Any], **content: Any) -> str:
     """Return a page, or a part of one, as HTML.   content : what the template shows."""
     content |= {"version": __version__, "colours": _COLOURS, "found": found}
+    content["levels"] = found.level_documents
     of = found.coordinate
     content |= {"unit": of.unit, "symbol": of.symbol, "key": of.key, "noun": of.noun}
     return _TEMPLATES.get_template(f"{template}.html.j2").render(**content)
@@ -146,13 +147,7 @@ def _why(findings: Sequence[Finding], coordinate: Coordinate) -> str:
 
 def _names(sources: Sequence[str]) -> str:
     """Return the names of a few records, or how many there are."""
-    return f"{len(sources)} records" if len(sources) > 3 else listed([*map(_short, sources)])
-
-
-def _short(source: str) -> str:
-    """Return the name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
-    path = PurePath(source)
-    return visible(path.name if path.suffix else source)
+    return f"{len(sources)} records" if len(sources) > 3 else listed([*map(short, sources)])
 
 
 def _part(p: ParameterEstimate) -> str:
@@ -190,11 +185,6 @@ def _explained(findings: Iterable[Finding]) -> list[str]:
         "how this looks in a record, what it does to each number and what to do: on the site (make docs), "
         f"{listed([*map(address, names)])}"
     ]
-
-
-def _measured(found: Result[Any]) -> list[list[str]]:
-    """Return the table of what is measured of each level, with short names of the records."""
-    return [[_short(name), *cells] for name, *cells in measured_table(found)]
 
 
 def _rig(found: Result[Any]) -> str:
@@ -235,7 +225,7 @@ _TEMPLATES.filters |= {
     "sentence": sentence,
     "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
     "visible": visible,
-    "short": _short,
+    "short": short,
     "names": _names,
     "value": value_of,
     "interval": interval_of,
@@ -256,7 +246,7 @@ _TEMPLATES.globals |= {
     "FAULTS": FAULTS,
     "first_check": _first_check,
     "limiting": limiting,
-    "measured": _measured,
+    "measured_table": measured_table,
     "measured_caption": measured_caption,
     "named": named,
     "rig": _rig,

@@ -17,10 +17,9 @@ from ..findings.words import sentence, unit_of
 from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.record import Record
-from ..signals.log_decrement import SwingDamping
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
 from .law_comparison import LawComparison
-from .level import Level, damping_ratio
+from .level import Column, Measured, damping_ratio
 from .sensitivities import FAULTS, Fault
 
 if TYPE_CHECKING:
@@ -47,15 +46,15 @@ class Basis(Protocol):
     mass_tests: ClassVar[bool]
     """Whether a mass that is given tests stiffness and gains; else it is taken as it is."""
 
-    columns: ClassVar[Mapping[str, tuple[str, str]]]
-    """What is measured of each level without a model, by the keys of its document: symbol and unit in the table that
-    screen and report begin with; none where the answer says it all."""
+    columns: ClassVar[Mapping[str, Column]]
+    """What is measured of each level without a model, by the keys of its document: the table that screen and report
+    begin with, its lines grouped by the first column; none where the answer says it all."""
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return what was read off the records and follows from them, for the document; `records` has an entry for
         each."""
 
-    def levels(self, found: Result[Any]) -> Sequence[Level | SwingDamping]:
+    def levels(self, found: Result[Any]) -> Sequence[Measured]:
         """Return cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
@@ -121,9 +120,14 @@ class Result(Generic[B]):
         return self.records[0].coordinate if self.records else TRANSLATION
 
     @property
-    def levels(self) -> Sequence[Level | SwingDamping]:
+    def levels(self) -> Sequence[Measured]:
         """Cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
         return self.basis.levels(self)
+
+    @property
+    def level_documents(self) -> list[dict[str, Any]]:
+        """The levels as plain data, by the keys of the document."""
+        return [level.document(self.k, self.mass) for level in self.levels]
 
     @property
     def pictures(self) -> dict[str, Picture]:

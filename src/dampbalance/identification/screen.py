@@ -7,7 +7,9 @@ import re
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
 
 from ..findings.finding import Finding
 from ..findings.words import PER_SI, in_a_sentence, limit, unit_of
@@ -28,19 +30,22 @@ from ..project.wording import (
     with_unit,
 )
 from ..records.coordinate import Coordinate
-from ..signals.log_decrement import SwingDamping
 from ..solver import NORMAL_95
 from .answer import USABLE, ParameterEstimate, Verdict
 from .law_comparison import LawComparison, Probability
-from .level import Level, damping_ratio
 
 if TYPE_CHECKING:
-    from .result import Result
+    from .level import Column
+    from .result import Basis, Result
+
+    AnyBasis: TypeAlias = Basis | type[Basis]
+    Levels: TypeAlias = Sequence[Mapping[str, Any]]
 
 _ROUNDING = 1e-12
 _SKEW = 0.1  # of the half width, by which a value may lie off the middle of an interval that is shown as ±
 _LEVELS = 12  # of loops that a screen has room for
-_CAPTIONS = {"loops": "loops measured"}  # kind of records → finding that says what the columns are
+_CAPTIONS = {"loops": "loops measured", "ring-down": "swings measured"}
+"""Finding that says what the columns of the table of a kind of records are."""
 _CAUSES = 3  # of doubt that a screen has room for
 
 
@@ -61,26 +66,28 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     check = agreement(found) if found.check is None else " ".join(found.in_sentences(found.check))
     numbers = wrapped([*damping_of(found), check], width)
     causes = wrapped([f"- {one}" for one in causes], width)
-    swings = damping_table(found.levels, found.coordinate, width)
-    parts = [causes, table_of(found), numbers, swings] if first else [numbers, swings, causes]
+    parts = [causes, table_of(found), numbers] if first else [numbers, causes]
     more = f"{left} more and " * bool(left) + "all numbers"
     last = f"See {details} for {more}, and for what they depend on."
-    table, tests = measured_of_levels(found, width, _LEVELS), comparison(found, width)
-    return _page(table, wrapped([answer], width), *parts, tests, wrapped([last], width))
+    tests = comparison(found, width)
+    levels = found.level_documents
+    shown = np.linspace(0, len(levels) - 1, min(len(levels), _LEVELS)).round().astype(int)
+    table = measured_lines(found.basis, [levels[i] for i in shown], coordinate, width)
+    return _page(wrapped([answer], width), table, *parts, tests, wrapped([last], width))
 
 
 def details(found: Result[Any], width: int | None = None) -> str:
     """Return all sentences and tables: see `Result.text`."""
     said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
     numbers = [*wrapped([found.head], width), "", *table_of(found), "", *said]
-    tests = comparison(found, width)
-    swings = damping_table(found.levels, found.coordinate, width)
-    numbers += [line for table in (swings, tests) if table for line in ("", *table)]
+    if tests := comparison(found, width):
+        numbers += ["", *tests]
     heading = "Causes and remedies" if found.unanswered else "What limits the answer"
     limits = limiting(found)
     causes = [f"{heading}:", *wrapped(limits, width)] if limits else []
     parts = [causes, numbers] if found.unanswered else [numbers, causes]
-    return _page(measured_of_levels(found, width), wrapped([lead(found)], width), *parts)
+    table = measured_lines(found.basis, found.level_documents, found.coordinate, width)
+    return _page(wrapped([lead(found)], width), table, *parts)
 
 
 def _page(*parts: Sequence[str]) -> str:
@@ -144,45 +151,55 @@ def table_of(found: Result[Any]) -> list[str]:
     return aligned(answers_table(found))
 
 
-def measured_table(found: Result[Any], most: int | None = None) -> list[list[str]]:
-    """Return what is measured of each level, a line each with its record below a line of heads; nothing where the
-    answer says it all.   most : lines, evenly chosen of more."""
-    columns, of = found.basis.columns, found.coordinate
-    levels = [level for level in found.levels if isinstance(level, Level)]
-    if not columns:
+def measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list[str]]:
+    """Return what is measured of each level, a line each below a line of heads; nothing where the answer says it all.
+
+    levels : by the keys of the document.
+    """
+    if not (levels and (columns := basis.columns.items())):
         return []
-    if most and len(levels) > most:
-        levels = [levels[round(i * (len(levels) - 1) / (most - 1))] for i in range(most)]
-    heads = [label_with_unit(of.symbol(s), of.unit(unit)) for s, unit in columns.values()]
-    table = [["record", *heads]]
-    for level in levels:
-        values = level.document(found.k, found.mass)
-        cells = [_cell(values[key], unit) for key, (_, unit) in columns.items()]
-        table.append([level.name, *cells])
-    return table
+    heads = [label_with_unit(of.symbol(s), of.unit(unit)) for _, (s, unit, _) in columns]
+    return [heads, *([_cell(level, *column) for column in columns] for level in levels)]
 
 
-def measured_caption(found: Result[Any]) -> str:
+def _cell(level: Mapping[str, Any], key: str, column: Column) -> str:
+    """Return a name, a count or a number of a table, with the half width of its interval where it has an error."""
+    value, factor = level[key], PER_SI.get(column.unit, 1.0)
+    if isinstance(value, str):
+        return short(value)
+    if column.error:
+        return with_error(factor * value, factor * NORMAL_95 * level[column.error])
+    return f"{value:g}" if value % 0.5 == 0.0 else number_text(factor * value, 3)
+
+
+def short(source: str) -> str:
+    """Return the name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
+    path = PurePath(source)
+    return visible(path.name if path.suffix else source)
+
+
+def measured_caption(kind: str, coordinate: Coordinate) -> str:
     """Return a sentence on the columns of that table."""
-    return sentence(worded(Finding(_CAPTIONS[found.basis.kind]), found.coordinate))
+    return sentence(worded(Finding(_CAPTIONS[kind]), coordinate))
 
 
-def _cell(value: float | int, unit: str) -> str:
-    """Return a number of a table; a count as it is."""
-    return f"{value}" if isinstance(value, int) else number_text(PER_SI.get(unit, 1.0) * value, 3)
-
-
-def measured_of_levels(found: Result[Any], width: int | None, most: int | None = None) -> list[str]:
-    """Return the lines of that table below a sentence on it, with the name of each of several records in between."""
-    if not (table := measured_table(found, most)):
+def measured_lines(
+    basis: AnyBasis, levels: Levels, coordinate: Coordinate, width: int | None = None
+) -> list[str]:
+    """Return that table as lines below its caption, units below symbols; where its first column has several names, each
+    above its lines."""
+    if not (table := measured_table(basis, levels, coordinate)):
         return []
-    names = [row[0] for row in table]
-    head, *rows = aligned([row[1:] for row in table])
-    lines = [*wrapped([measured_caption(found)], width), "", head]
-    for before, name, row in zip(names, names[1:], rows, strict=False):
-        title = [f"{cut(visible(PurePath(name).name), width or len(name))}:"]
-        lines += [*title * (name != before and len(found.sources) > 1), row]
-    return lines
+    (what, *heads), *rows = table
+    parts = zip(*(head.partition(" ")[::2] for head in heads), strict=True)
+    symbols, units, *lines = aligned([*parts, *(row[1:] for row in rows)])
+    told = [*wrapped([measured_caption(basis.kind, coordinate)], width), "", symbols, units]
+    names, before = [row[0] for row in rows], ""
+    for name, line in zip(names, lines, strict=True):
+        title = name if name.startswith(what) else f"{what} {name}"
+        told += [cut(f"{title}:", width or 80)] * (name != before and len({*names}) > 1)
+        told, before = [*told, line], name
+    return told
 
 
 def aligned(table: Sequence[Sequence[str]]) -> list[str]:
@@ -270,36 +287,17 @@ def damping_of(found: Result[Any]) -> list[str]:
         sentences.append(
             f"{known}, f_n = {hertz} Hz{zeta}. If your rig differs, check gains, units and k."
         )
-    cycles = [of for of in found.levels if isinstance(of, Level) and of.W > 0.0 and k > 0.0]
-    sizes = sorted(cycles, key=lambda of: of.X)
+    cycles = [of for of in found.level_documents if of.get("W_J", 0.0) > 0.0 and k > 0.0]
+    sizes = sorted(cycles, key=lambda of: float(of["X_m"]))
     if sizes:
         at = [
-            f"η = {number_text(level.loss_factor(k), 3)}"
-            + (f", ζ_eq = {percent(damping_ratio(level.equivalent_damping, k, m), 3)}" * (m == m))
-            + f" at X = {number_text(1e3 * level.X, 3)} {found.coordinate.unit('mm')}"
-            for level in sizes[:: len(sizes) - 1 or 1]
+            f"η = {number_text(of['loss_factor'], 3)}"
+            + f", ζ_eq = {percent(of['equivalent_damping_ratio'], 3)}" * (m == m)
+            + f" at X = {number_text(1e3 * of['X_m'], 3)} {found.coordinate.unit('mm')}"
+            for of in sizes[:: len(sizes) - 1 or 1]
         ]
         sentences.append(f"With friction: {'; '.join(at)}.")
     return sentences
-
-
-def damping_table(
-    levels: Sequence[Level | SwingDamping], coordinate: Coordinate, width: int | None = None
-) -> list[str]:
-    """Return frequency and damping over the amplitude as lines, of free decays; empty for other records."""
-    rows = [of for of in levels if isinstance(of, SwingDamping)]
-    if not rows:
-        return []
-    several = rows[-1].mode > 1
-    heads = [f"X ({coordinate.unit('mm')})", "f (Hz)", "ζ (%)", "η", "cycles"]
-    table = [["mode"] * several + heads]
-    for of in rows:
-        hertz = with_error(of.hertz, NORMAL_95 * of.hertz_error)
-        ratio = with_error(100.0 * of.ratio, 100.0 * NORMAL_95 * of.ratio_error)
-        cells = [number_text(1e3 * of.X, 3), hertz, ratio, number_text(2.0 * of.ratio, 3)]
-        table.append([str(of.mode)] * several + [*cells, f"{of.cycles:g}"])
-    title = "Damping over the amplitude, from the swings alone, at 95 %:"
-    return [*wrapped([title], width), *aligned(table)]
 
 
 def wrapped(lines: Iterable[str], width: int | None) -> list[str]:

@@ -27,7 +27,7 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.level import Level
+from ..identification.level import Column, Level
 from ..identification.request import read_request
 from ..identification.result import Picture, Result
 from ..identification.sensitivities import Fault
@@ -69,7 +69,7 @@ class SteppedBasis:
 
     kind: ClassVar[str] = "stepped-sine"
     mass_tests: ClassVar[bool] = False
-    columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    columns: ClassVar[Mapping[str, Column]] = {}
 
     def _of_mode(self, found: Result[Any]) -> SteppedLines:
         """Return the lines without what other modes add to them, by the fit of the answer."""

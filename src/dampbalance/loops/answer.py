@@ -27,7 +27,7 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.level import Level
+from ..identification.level import Column, Level
 from ..identification.request import read_request
 from ..identification.result import Picture, Result
 from ..identification.sensitivities import Fault
@@ -95,10 +95,10 @@ def measures(X: Any, W: Any, peaks: Array) -> dict[str, Any]:
     NaN if these do not oppose each other; ζ_eq = W/(4π · ½ k_s X²) (Chopra, Dynamics of Structures, Sec. 3.9); and the
     backbone.
 
-    X : amplitude, m.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`, (…, 4).
+    X : amplitude, m; NaN of a cycle that does not close.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`.
     """
     high, low, up, down = peaks.T
-    stiffness = np.where(up > down, (up - down) / (high - low), math.nan)
+    stiffness = np.where((up > down) & (X > 0.0), (up - down) / (high - low), math.nan)
     return {
         "W_over_4X_N": W / (4.0 * X),
         "secant_stiffness_N_per_m": stiffness,
@@ -124,16 +124,16 @@ class LoopBasis:
 
     kind: ClassVar[str] = "loops"
     mass_tests: ClassVar[bool] = False
-    columns: ClassVar[Mapping[str, tuple[str, str]]] = {
-        **{
-            "X_m": ("X", "mm"),
-            "cycles": ("n", ""),
-            "W_J": ("W", "J"),
-            "W_over_4X_N": ("W/4X", "N"),
-        },
-        **{"secant_stiffness_N_per_m": ("k_s", "N/mm"), "equivalent_damping_ratio": ("ζ_eq", "%")},
-        "force_at_largest_displacement_N": ("F+", "N"),
-        "force_at_smallest_displacement_N": ("F−", "N"),
+    columns: ClassVar[Mapping[str, Column]] = {
+        "level": Column("record"),
+        "X_m": Column("X", "mm"),
+        "cycles": Column("n"),
+        "W_J": Column("W", "J"),
+        "W_over_4X_N": Column("W/4X", "N"),
+        "secant_stiffness_N_per_m": Column("k_s", "N/mm"),
+        "equivalent_damping_ratio": Column("ζ_eq", "%"),
+        "force_at_largest_displacement_N": Column("F+", "N"),
+        "force_at_smallest_displacement_N": Column("F−", "N"),
     }
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
@@ -171,7 +171,12 @@ class LoopBasis:
                 duration = float(np.median(samples[own]) * (loop.t[1] - loop.t[0]))
                 omega = 2.0 * math.pi / duration if loop.timed else math.nan
                 X, W, of_friction = (
-                    float(of[own].mean()) for of in (loop.amplitudes, loop.lost, friction)
+                    float(of[own].mean())
+                    for of in (
+                        np.where(loop.closed, loop.amplitudes, math.nan),
+                        loop.lost,
+                        friction,
+                    )
                 )
                 more = measures(X, W, loop.peaks[own].mean(axis=0))
                 zeta = more["equivalent_damping_ratio"]
@@ -274,7 +279,8 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
         columns |= {"K_z_N_per_m": math.nan, "mean_force_N": loop.means(loop.f)}
         columns |= {"equivalent_damping_N_s_per_m": loop.lost / b}
         columns |= {"equivalent_stiffness_N_per_m": loop.means(f * x) / loop.means(x**2)}
-        columns |= measures(loop.amplitudes, loop.lost, loop.peaks)
+        X = np.where(loop.closed, loop.amplitudes, math.nan)
+        columns |= measures(X, loop.lost, loop.peaks)
         if fit:
             a, _, W = row_of(loop, fit)
             friction = (W - c * np.nan_to_num(b)) / np.where(a > 0.0, a / loop.load, np.nan)
@@ -521,7 +527,8 @@ def _rig(
 ) -> Iterator[Finding]:
     """Yield findings on fit, loads, spring, gap, and history of the cycles.   normal : mean normal force, N."""
     of, errors = fit.values, fit.errors
-    fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, loops))
+    settled = [loop.settled() for loop in loops]
+    fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, settled))
     if fitted < total:
         yield Finding("excerpt", {"fitted": fitted, "all": total, "runs": MOST_BLOCKS})
     if np.ptp([loop.load for loop in loops]) > _DIFFER:

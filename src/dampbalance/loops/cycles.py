@@ -24,6 +24,7 @@ _NEAR_PEAK = (
 # noise of x over its range from which on it is smoothed: else z reverses with it
 _SMOOTHED = 1e-3
 _SHARP = 4.0  # standard deviations of noise, from which on a bend of x is a corner
+_AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
 _OF_PERIOD, _OF_PERIOD_V = 40, 16  # windows of x and ẋ are these parts of a period
 _CERTAIN = 4.0  # standard errors by which energy is gained
 
@@ -44,8 +45,10 @@ def turning_points(x: Array, least: float) -> Integers:
 
 
 def corners(x: Array, turns: Integers, noise: float) -> Array:
-    """Return the displacement through which x passes between two samples, (n − 1,): of a sharp reversal that falls
-    between them, as a triangle has, that of its corner; else of the later sample.
+    """Return the displacement through which x passes between two samples, (n − 1,): of a reversal that falls between
+    them its peak, else that of the later sample.
+
+    The peak is that of a parabola through three samples or, where the reversal is sharp as a triangle's, its corner.
 
     The second differences of a kink of size S at a part φ of a step are S(1 − φ) and Sφ, beyond those of the smooth
     motion around, and the corner lies ½ S min(φ, 1 − φ) above the larger sample.
@@ -60,6 +63,8 @@ def corners(x: Array, turns: Integers, noise: float) -> Array:
         above = 0.5 * (float(around[1:3].min()) - smooth)
         if above > max(_SHARP * noise, abs(smooth)):
             through[first] = x[p] + way * above
+        elif abs(slope := 0.5 * float(x[p + 1] - x[p - 1])) < _AROUND_PEAK * abs(bend[p]):
+            through[p - (slope * way < 0.0)] = x[p] - 0.5 * slope**2 / bend[p]
     return through
 
 
@@ -92,7 +97,7 @@ class Loop:
     """A record of force and displacement, ready for the fit.
 
     t : s; numbers of the samples where `timed` is false.   x : displacement, smoothed where it is noisy, m.   through :
-    that of corners between samples, m.   v : velocity, m/s.   f : force, N, its sign such that energy is lost.
+    that of reversals between samples, m.   v : velocity, m/s.   f : force, N, its sign such that energy is lost.
     cycle : number of the cycle of each sample; −1 outside of them.   first : number of the first one in the record.
     N : normal force, N, where it was measured.   load : friction force of the record over that of all, as the normal
     force makes it.
@@ -235,3 +240,10 @@ class Loop:
     def amplitudes(self) -> Array:
         """X of each cycle, m."""
         return 0.5 * (self._reduced(np.maximum, self.x) - self._reduced(np.minimum, self.x))
+
+    @cached_property
+    def closed(self) -> Mask:
+        """Whether each cycle ends within an amplitude of where it began: else the mean drifts, and X is none."""
+        x = self.x[self.own]
+        ends = [(x[own.start], x[own.stop - 1]) for own in self.slices]
+        return np.abs(np.diff(ends)[:, 0]) <= self.amplitudes

@@ -83,7 +83,7 @@ RESPONSE = (
 _ONE = 0.1  # relative: a derivative, by its units
 _GRAVITY = 9.80665  # m/s²
 _OF_LOOP = "displacement", "force"
-_GOES_ROUND = "a guess: the two columns go round as the loop of a contact does"
+_GOES_ROUND = "they go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
 _DRIVES = (*EXCITATIONS, "base_velocity")
 _RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
@@ -357,18 +357,17 @@ class Guesses:
             why = _TAKEN if drives else _DECAYS
             self._leave(found, found.keys() - {*drives, *chosen}, why)
         rest = [i for i in live if i not in (*drives, *chosen) and found[i].reason in _LEVELS]
+        self._ask_of_loop(found, [i for i in rest if level[i] == _LEVELS.index(_BY_NOTHING)])
         self._ask(found, rest, drives)
-        self._loop_of(found, [i for i in rest if level[i] == _LEVELS.index(_BY_NOTHING)])
 
-    def _loop_of(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
-        """Take two columns that nothing names and that have no times for a loop of force over displacement if they go
-        round: clockwise, as a contact that takes energy does."""
+    def _ask_of_loop(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
+        """Ask which of two columns that nothing names, and that have no times, is the force if they go round: which way
+        they do follows from its sign as well."""
         read = any(of.quantity for of in found.values())
         if read or self.times or self.mapping.free or len(unnamed) != 2:
             return
-        if turns := samples.turns(*(self.values[i] for i in unnamed)):
-            for i, quantity in zip(unnamed[:: 1 if turns > 0.0 else -1], _OF_LOOP, strict=True):
-                found[i] = Guess(quantity, _GOES_ROUND)
+        if samples.go_round(*(self.values[i] for i in unnamed)):
+            found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=_OF_LOOP))
 
     def _ask(
         self, found: dict[int, Guess], columns: Iterable[int], drives: Sequence[int] = ()
@@ -515,8 +514,8 @@ class Guesses:
 
     @property
     def untimed(self) -> bool:
-        """Whether what is read is a measured loop, which does without times."""
-        read = (of.quantity for of in self.all.values() if of.quantity)
+        """Whether what is read, or asked for, is a measured loop, which does without times."""
+        read = [q for of in self.all.values() for q in (of.quantity, *of.may) if q]
         return is_loop(read) and not self.mapping.free
 
     def questions(self) -> Iterator[str]:
@@ -533,8 +532,8 @@ class Guesses:
             free = "" if self.mapping.free else " If it is a free decay, give --kind ring-down."
             verb = "do the columns" if len(asked) > 1 else "does the column"
             names = listed([self.names[i] for i in asked[:LISTED]])
-            because = f" ({'; '.join(why)})" if why else ""
-            yield f"what {verb} {names} hold: {may}?{free}{because}"
+            because = f" ({'; '.join(dict.fromkeys(why))})" if why else ""
+            yield f"what {verb} {names} hold: {may}{because}?{free}"
         turns = {self.channels[i].name: self.coordinate(i) for i in held.values()}
         require_one_coordinate(str(self.path), turns)
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:

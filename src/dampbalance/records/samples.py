@@ -130,17 +130,16 @@ def is_arc(values: Array, other: Array) -> bool:
     return left[1] < (1.0 - _ARC) * whole and left[0] > 0.5 * whole
 
 
-def turns(values: Array, other: Array) -> float:
-    """Return how often two columns go round their middle, clockwise with the other one upwards; 0 where they do not do
-    so in each period."""
+def go_round(values: Array, other: Array) -> bool:
+    """Return whether two columns go round their middle in each period."""
     both = np.isfinite(values) & np.isfinite(other) if values.size == other.size else np.zeros(0)
     if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
-        return 0.0
+        return False
     middled = (of[both] - 0.5 * (of[both].max() + of[both].min()) for of in (values, other))
     x, y = (2.0 * of / np.ptp(of) for of in middled)
     outside = np.hypot(x, y) > _OUTSIDE
     angle = np.unwrap(np.arctan2(y[outside], x[outside]))
-    clockwise = float(angle[0] - angle[-1]) / (2.0 * math.pi)
+    turns = abs(float(angle[0] - angle[-1])) / (2.0 * math.pi)
     sides = np.sign(x[np.abs(x) > _OUTSIDE])
     periods = 0.5 * np.count_nonzero(np.diff(sides))
-    return clockwise if abs(clockwise) > _ARC * max(1.0, periods - 0.5) else 0.0
+    return bool(turns > _ARC * max(1.0, periods - 0.5))
