@@ -32,6 +32,7 @@ DECAYS = {
     "a constant": ({"battery": 0.0 * T + 3.7, "x (m)": X}, {"displacement": X}),
     "noise": ({"ch2": 30.189 + 6e-4 * NOISE[0], "pos (cm)": 100.0 * X}, {"displacement": X}),
     "noise in mm": ({"ch1 [mm]": NOISE[0], "ch2 [mm]": 1e3 * X}, {"displacement": X}),
+    "thermocouples": ({"T1": 0.1 * T - 0.001 * T**2, "T2 (°C)": T, "x (m)": X}, {"displacement": X}),
     "hum": ({"AI3": HUM, "Position (m)": X}, {"displacement": X}),
     "a hammer": ({"in1": BLOWS + 0.01 * NOISE[0], "weg (mm)": 1e3 * X}, {"displacement": X}),
     "a hammer in volts": ({"Hammer (V)": BLOWS, "acc (m/s²)": A}, {"acceleration": A}),

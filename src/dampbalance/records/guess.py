@@ -160,6 +160,10 @@ class Guesses:
         if self.mapping.time is not None:
             return self.find(self.mapping.time, "time.channel")
         named = [i for i, raw in enumerate(self.channels) if names_time(raw)]
+        if len(named) > 1:  # T1 beside time_s is a temperature
+            known = [i for i in named if holds_time(replace(self.channels[i], name=""))]
+            steps = {i: samples.equal_step(self.values[i]) for i in named if i not in known}
+            named = known + [i for i, step in steps.items() if step is not None] or named
         named = named or [i for i, raw in enumerate(self.channels) if holds_time(raw)]
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
         if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
