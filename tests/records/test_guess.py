@@ -160,6 +160,28 @@ def test_what_a_name_or_a_unit_calls_a_drive_drives(drive, response, held):
     assert {*record.quantities} == held
 
 
+RUN_DOWN = np.cumsum(2.5 * np.clip(1.0 - T / 11.0, 0.0, None)) / 200.0
+
+
+@pytest.mark.parametrize("name", ["ch0", "AI3 [mm]", "y (mm)", "AI1 (m/s²)"])
+@pytest.mark.parametrize("until", [4.0, 12.0])
+def test_a_drive_that_dies_with_its_response_is_not_lost(name, until):
+    """A run-down through resonance, to rest or stopped before."""
+    drive = np.where(until > T, np.sin(2.0 * np.pi * RUN_DOWN), 0.0)
+    response = np.convolve(drive, ROOT.imag)[: T.size]
+    with pytest.raises(RecordError, match="hold: .*base_"):
+        read_records({"time_s": T, name: drive, "x (mm)": response})
+
+
+@pytest.mark.parametrize(
+    ("name", "values"), [("x2 (mm)", 400.0 * X), ("velocity (m/s)", 3.6 * V), ("acc (g)", 0.4 * A)]
+)
+def test_a_motion_that_contradicts_another_is_asked_for(name, values):
+    """As that of a second body, or in a wrong unit."""
+    with pytest.raises(RecordError, match=r"(does|do) the column"):
+        read_records({"time_s": T, name: values, "displacement (mm)": 1e3 * X})
+
+
 def test_readings_of_one_velocity_are_one(tmp_path):
     """As of a damper with three estimates of its velocity: the loops of force and displacement."""
     x, v = np.sin(9.0 * T), 9.0 * np.cos(9.0 * T)

@@ -161,9 +161,13 @@ class Guesses:
             return self.find(self.mapping.time, "time.channel")
         named = [i for i, raw in enumerate(self.channels) if names_time(raw)]
         if len(named) > 1:  # T1 beside time_s is a temperature
-            known = [i for i in named if holds_time(replace(self.channels[i], name=""))]
-            steps = {i: samples.equal_step(self.values[i]) for i in named if i not in known}
-            named = known + [i for i, step in steps.items() if step is not None] or named
+            clocks = [
+                i
+                for i in named
+                if holds_time(replace(self.channels[i], name=""))
+                or samples.equal_step(self.values[i]) is not None
+            ]
+            named = clocks or named
         named = named or [i for i, raw in enumerate(self.channels) if holds_time(raw)]
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
         if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
@@ -333,7 +337,11 @@ class Guesses:
         answers = [i for i in live if found[i].quantity in RESPONSES]
         dies = self.mapping.free or any(samples.dies_out(self.values[i]) for i in answers)
         if dies:
-            self._leave(found, [i for i in live if self._words(i) == {"y"}], _DECAYS)
+            y = [i for i in live if self._words(i) == {"y"}]
+            swing = [i for i in y if self._may_drive(i, answers)]
+            found |= {i: replace(found[i], quantity="displacement") for i in swing}
+            self._ask(found, swing)
+            self._leave(found, {*y} - {*swing}, _DECAYS)
             live = [i for i in live if found[i].reason in _LEVELS]
         if len(live) == 1 and level[live[0]] and (unit := by_unit(self.channels[live[0]])):
             found[live[0]] = Guess(unit, "the only signal")
@@ -351,6 +359,8 @@ class Guesses:
         if any(level[i] for i in chosen) and len(live) > 1:
             sure = self._are_one(found, chosen) if len(chosen) > 1 else known
             unsure = [] if sure and not unsure else chosen
+        if dies and not drives:
+            unsure = [*unsure, *self._scaled(found, chosen)]
         self._ask(found, unsure, drives)
         chosen = [i for i in chosen if i not in unsure]
         for i in live if chosen and known else ():
@@ -359,10 +369,21 @@ class Guesses:
                 chosen.append(i)
         if chosen and known:
             why = _TAKEN if drives else _DECAYS
-            self._leave(found, found.keys() - {*drives, *chosen}, why)
+            swing = [i for i in live if not drives and i not in chosen]
+            swing = [i for i in swing if level[i] and self._may_drive(i, chosen)]
+            self._ask(found, [i for i in swing if found[i].reason in _LEVELS])
+            asked = [i for i in live if found[i].may]
+            self._leave(found, found.keys() - {*drives, *chosen, *asked}, why)
         rest = [i for i in live if i not in (*drives, *chosen) and found[i].reason in _LEVELS]
         self._ask(found, rest, drives)
         self._loop_of(found, [i for i in rest if level[i] == _LEVELS.index(_BY_NOTHING)])
+
+    def _may_drive(self, i: int, responses: Sequence[int]) -> bool:
+        """Return whether a column may drive others, as its samples have it, and nothing says that they decay."""
+        others = (j for j in responses if j != i)
+        return not self.mapping.free and any(
+            samples.may_drive(self.values[i], self.values[j]) for j in others
+        )
 
     def _loop_of(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
         """Take two columns that nothing names and that have no times for a loop of force over displacement if they go
@@ -416,23 +437,47 @@ class Guesses:
             first, *others = bodies if len(bodies) == 1 else alike
             values = self.values if others else {}
             if same and all(samples.same_motion(values[first], values[i]) for i in others):
-                self._leave(found, others, f"moves as {self.names[first]}")
-                others = []
+                far = [] if len(bodies) == 1 else [i for i in others if self._far(first, i)]
+                self._leave(found, {*others} - {*far}, f"moves as {self.names[first]}")
+                others = far
             chosen += [first, *others]
         return chosen
 
+    def _far(self, first: int, other: int) -> bool:
+        """Return whether a column that moves as another goes farther, or less far, than it does."""
+        units = [find_motion(unit_of(self.channels[i]) or "") for i in (first, other)]
+        sizes = [
+            of.factor * np.nanstd(self.values[i])
+            for i, of in zip((first, other), units, strict=True)
+            if of
+        ]
+        return len(sizes) == 2 and bool(abs(sizes[1] / sizes[0] - 1.0) > _ONE)
+
     def _are_one(self, found: dict[int, Guess], columns: Sequence[int]) -> bool:
         """Return whether columns with units are each the derivative of the one before: of one body."""
+        ratios = self._ratios(found, columns).values()
+        moves = all(found[i].quantity in ORDERS for i in columns)
+        return moves and all(r is not None and abs(r - 1.0) <= _ONE for r in ratios)
+
+    def _ratios(self, found: dict[int, Guess], columns: Sequence[int]) -> dict[int, float | None]:
+        """Return by how much columns with units are each more than the derivative of the one before; None where they
+        are none."""
         order = {i: ORDERS.get(found[i].quantity, -1) for i in columns}
-        ranked = sorted(columns, key=order.__getitem__)
-        for i, j in itertools.pairwise(ranked):
+        ratios: dict[int, float | None] = {}
+        for i, j in itertools.pairwise(sorted(columns, key=order.__getitem__)):
             first, second = (find_motion(unit_of(self.channels[at]) or "") for at in (i, j))
             s = self._slope(i, j, order[j] - order[i])
-            if s is None or first is None or second is None:
-                return False
-            if abs(abs(s) * second.factor / first.factor - 1.0) > _ONE:
-                return False
-        return min(order.values()) >= 0
+            ratios[j] = abs(s) * second.factor / first.factor if s and first and second else None
+        return ratios
+
+    def _scaled(self, found: dict[int, Guess], columns: Sequence[int]) -> list[int]:
+        """Return the columns that are a derivative of another in a wrong unit, or of another body, with why."""
+        ratios = {
+            i: r for i, r in self._ratios(found, columns).items() if r and abs(r - 1.0) > _ONE
+        }
+        for i, r in ratios.items():
+            found[i] = replace(found[i], reason=f"{r:.3g} times the derivative of another column")
+        return [*ratios]
 
     def _slope(self, i: int, j: int, order: int) -> float | None:
         """Return by how much a column is more than a derivative of another."""

@@ -128,7 +128,9 @@ def names_time(raw: RawChannel) -> bool:
     """Return whether a channel holds times by its name, unless its unit is another's, or points in time."""
     key, unit = key_of(raw.name), find_unit(raw.unit or "")
     other = find_other(raw.unit or "") or (unit and unit.dimension != "time")
-    return raw.stamps or not other and any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
+    return raw.stamps or (
+        not other and any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
+    )
 
 
 def holds_time(raw: RawChannel) -> bool:
