@@ -169,7 +169,7 @@ def test_a_drive_that_dies_with_its_response_is_not_lost(name, until):
     """A run-down through resonance, to rest or stopped before."""
     drive = np.where(until > T, np.sin(2.0 * np.pi * RUN_DOWN), 0.0)
     response = np.convolve(drive, ROOT.imag)[: T.size]
-    with pytest.raises(RecordError, match="hold: .*base_"):
+    with pytest.raises(RecordError, match=r"hold: .*base_"):
         read_records({"time_s": T, name: drive, "x (mm)": response})
 
 
@@ -199,9 +199,32 @@ def test_times_in_parts_of_one_are_seconds(step):
     assert record["displacement"].t[-1] == pytest.approx(step * (T.size - 1))
 
 
-def test_whole_numbers_may_be_times_in_any_unit():
+@pytest.mark.parametrize("step", [5.0, 0.5, 1.6, 0.01 / 3600.0, 0.01 / 86400.0])
+def test_times_that_no_recorder_has_in_seconds_are_asked_for(step):
+    """ms, whole or in halves, hours, and days of a spreadsheet."""
     with pytest.raises(RecordError, match="in which unit is 'time'"):
-        read_records({"time": 5.0 * np.arange(T.size), "x (m)": X})
+        read_records({"time": 3.0 + step * np.arange(T.size), "x (m)": X})
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("angle", DEG * X / 5.0),  # 2.3 degrees, or a turn and a half
+        ("roll", 40.0 + DEG * X / 5.0),
+        ("theta", np.rint(4096.0 / (2.0 * np.pi) * X)),  # ticks of an encoder
+        ("phi", 4.0 * np.pi + X),
+        ("omega", V),
+        ("Winkelgeschwindigkeit", DEG * V),
+    ],
+)
+def test_a_rotation_in_degrees_or_radians_is_asked_for(name, values):
+    with pytest.raises(RecordError, match=f"in which unit is '{name}'"):
+        read_records({"time_s": T, name: values})
+
+
+def test_an_angle_and_its_rate_without_units_rotate():
+    with pytest.raises(RecordError, match="in which units are 'theta' and 'omega'"):
+        read_records({"time_s": T, "theta": DEG * X / 5.0, "omega": DEG * V / 5.0})
 
 
 @pytest.mark.parametrize("empty", ["", ","])

@@ -66,7 +66,9 @@ LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _ROUNDING = 1e-3  # relative, of the absolute value of three axes
 _TRIED = 20  # columns that are read one by one where some column holds a text
-ANGLE = 6.3  # rad, of an angle: more is in degrees
+ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
+RIGHT_ANGLE = 1.6  # rad: what goes farther may be in degrees as well
+_STEPS, _LONGEST = (5e-6, 0.2), 3600.0  # s, of times without a unit; their span
 _SAME = 0.05  # relative: of gravity or of a slope, which tell a unit
 _KILOHERTZ, _HALF_TURN = 1000.0, 181.0  # what a frequency response goes up to, and its phase, deg
 _BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its unit"
@@ -185,14 +187,17 @@ class Guesses:
         return next(iter(named or before[-1:] or self.times), None)
 
     def unit_of_time(self, index: int) -> str | None:
-        """Return the unit of a time channel: without one, seconds if it counts in parts of one."""
+        """Return the unit of a time channel: without one, seconds if it counts in parts of one, as recorders do in s:
+        not in days, hours or ms."""
         if (text := self.mapping.time_unit or unit_of(self.channels[index])) is not None:
             return text
         values = self.values[index]
-        steps = np.diff(values[np.isfinite(values)])
-        return "s" if steps.size and 0.0 < np.median(np.abs(steps)) < 1.0 else None
+        values = values[np.isfinite(values)]
+        steps = np.diff(values)
+        likely = steps.size and _STEPS[0] < np.median(np.abs(steps)) < _STEPS[1]
+        return "s" if likely and np.ptp(values) < _LONGEST else None
 
-    def _step(self, index: int) -> float:
+    def step(self, index: int) -> float:
         """Return the sampling interval of a column, s; NaN where it is not known."""
         if rate := self.mapping.sample_rate_hz or self.channels[index].rate_hz:
             return 1.0 / rate
@@ -481,7 +486,7 @@ class Guesses:
 
     def _slope(self, i: int, j: int, order: int) -> float | None:
         """Return by how much a column is more than a derivative of another."""
-        step = self._step(i)
+        step = self.step(i)
         if order < 1 or not step > 0.0:
             return None
         return samples.slope(self.values[i], self.values[j], step, order)
@@ -505,10 +510,13 @@ class Guesses:
                 said = Finding("unit by slope", name | {"unit": unit, "other": self.names[j]})
                 return replace(guess, unit=unit, said=said)
         if guess.quantity == "displacement" and self._turns(i):
-            size = float(np.nanmax(np.abs(self.values[i]), initial=0.0))
-            unit = "rad" if size <= ANGLE else "deg"
+            values = self.values[i]
+            size = float(np.nanmax(np.abs(values), initial=0.0))
+            swing = 0.5 * (np.nanmax(values, initial=-size) - np.nanmin(values, initial=size))
+            counted = np.array_equal(values, np.rint(values))  # by an encoder
+            unit = "rad" if size <= RIGHT_ANGLE else "deg" if swing > ANGLE and not counted else ""
             said = Finding("unit by size", name | {"unit": unit, "size": size})
-            return replace(guess, unit=unit, said=said)
+            return replace(guess, unit=unit, said=said if unit else None)
         if guess.quantity == "acceleration":
             own = [j for j in self.axes if self.channels[j].unit is None] if i in self.axes else [i]
             means = [float(np.nanmean(self.values[j])) for j in own]
