@@ -587,7 +587,7 @@ class Guesses:
         if asked:
             may = listed([*dict.fromkeys(q for i in asked for q in self.all[i].may)], "or")
             why = [self.all[i].reason for i in asked if self.all[i].reason not in _LEVELS]
-            free = "" if self.mapping.free else " If it is a free decay, give --kind ring-down."
+            free = " If it is a free decay, give --kind ring-down." if "base_" in may else ""
             verb = "do the columns" if len(asked) > 1 else "does the column"
             names = listed([self.names[i] for i in asked[:LISTED]])
             because = f" ({'; '.join(why)})" if why else ""

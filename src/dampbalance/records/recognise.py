@@ -141,9 +141,9 @@ def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
     names, where = guesses.names, {"where": guesses.where}
     yield from (of.said for of in guesses.all.values() if of.said)
     clocks = {pick.time: pick.index for pick in picks if pick.time is not None}
-    for clock, i in clocks.items():
+    for clock, own in clocks.items():
         if unit_of(guesses.channels[clock]) is None and not guesses.mapping.time_unit:
-            of = {"channel": names[clock], "rate": 1.0 / guesses.step(i)}
+            of = {"channel": names[clock], "rate": 1.0 / guesses.step(own)}
             yield Finding("seconds", of | where)
     sizes = {guesses.channels[pick.index].size for pick in picks}
     if unused := [
