@@ -199,6 +199,18 @@ def test_times_in_parts_of_one_are_seconds(step):
     assert record["displacement"].t[-1] == pytest.approx(step * (T.size - 1))
 
 
+@pytest.mark.parametrize("degrees", [10.0, 25.0, 45.0])
+def test_a_motion_between_two_axes_is_not_that_of_one(degrees):
+    x, z = np.cos(np.radians(degrees)) * A, 9.81 - np.sin(np.radians(degrees)) * A
+    columns = {"time_s": T, "ax (m/s²)": x, "ay (m/s²)": 0.05 * NOISE[0], "az (m/s²)": z}
+    if degrees < 15.0:
+        (record,) = read_records(columns)
+        assert np.std(record["acceleration"].values) == pytest.approx(np.std(A), rel=0.02)
+    else:
+        with pytest.raises(RecordError, match=f"scale: {np.std(A) / np.std(x):.3g}"):
+            read_records(columns)
+
+
 @pytest.mark.parametrize("step", [5.0, 0.5, 1.6, 0.01 / 3600.0, 0.01 / 86400.0])
 def test_times_that_no_recorder_has_in_seconds_are_asked_for(step):
     """ms, whole or in halves, hours, and days of a spreadsheet."""

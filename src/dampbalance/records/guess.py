@@ -233,14 +233,14 @@ class Guesses:
         return {*words_of(self.channels[i].name)}
 
     @cached_property
-    def axes(self) -> dict[int, str]:
-        """The channels of accelerometers and gyroscopes of several axes, x, y and z, and their absolute value: why each
-        is not read, or "" for the axis with the most motion, by its standard deviation."""
+    def axes(self) -> dict[int, Guess]:
+        """The guesses for accelerometers and gyroscopes of several axes, x, y and z, and their absolute value: the axis
+        with the most motion, by its standard deviation, is read unless the motion is along none of them."""
         groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
         for i, raw in enumerate(self.channels):
             for axis, before, behind in axis_of(raw.name):
                 groups.setdefault((before, behind, raw.unit), {})[axis] = i
-        why: dict[int, str] = {}
+        found: dict[int, Guess] = {}
         for (before, behind, unit), group in groups.items():
             own, held = [*group.values()], [self.values[i] for i in group.values()]
             named = by_unit(self.channels[own[0]]) or quantity_of(self.channels[own[0]])
@@ -251,7 +251,16 @@ class Guesses:
             if len(own) == 2 and not (before + behind and self._dies(own[most])):
                 continue  # x and y in mm are the mass and the base
             other = f"an axis that moves less than {shortened(self.channels[own[most]].name)}"
-            why |= dict.fromkeys(own, other) | {own[most]: ""}
+            found |= dict.fromkeys(own, Guess("", other))
+            raw = self.channels[own[most]]
+            quantity, along = (
+                by_unit(raw) or quantity_of(raw) or "",
+                samples.along(held[most], held),
+            )
+            found[own[most]] = Guess(quantity, _BY_NAME)
+            if along > 1.0 + _SAME:
+                oblique = f"the motion is {along:.3g} times as large, along no axis: say scale: {along:.3g}"
+                found[own[most]] = Guess("", oblique, may=(quantity,))
             total = np.sqrt(np.sum(np.square(held), axis=0))
             for i, raw in enumerate(self.channels):
                 of = self.values[i] if raw.unit == unit and i not in own else np.empty(0)
@@ -259,8 +268,8 @@ class Guesses:
                     of, total, rtol=_ROUNDING, equal_nan=True
                 )
                 if near or (of.size and self._words(i) & {*_OF_AXES.split()}):
-                    why[i] = "the absolute value of several axes"
-        return why
+                    found[i] = Guess("", "the absolute value of several axes")
+        return found
 
     def _dies(self, i: int) -> bool:
         """Return whether the record is of a decay, as one of its channels shows."""
@@ -325,9 +334,7 @@ class Guesses:
     def _look(self, found: dict[int, Guess]) -> None:
         """Add what samples show to the guesses of names and units: what is no motion, which are one body, what drives,
         and what must be asked."""
-        for i, why in self.axes.items():
-            quantity = by_unit(self.channels[i]) or quantity_of(self.channels[i]) or ""
-            found[i] = Guess("", why) if why else Guess(quantity, _BY_NAME)
+        found |= self.axes
         level = {i: _LEVELS.index(of.reason) for i, of in found.items() if of.reason in _LEVELS}
         level = {i: at for i, at in level.items() if found[i].quantity not in ACCOMPANYING}
         still = {i: why for i in level if (why := samples.aside(self.values[i]))}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -118,6 +119,18 @@ def same_motion(values: Array, other: Array) -> bool:
     if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
         return False
     return bool(abs(np.corrcoef(values[both], other[both])[0, 1]) > _ALIKE)
+
+
+def along(values: Array, axes: Sequence[Array]) -> float:
+    """Return by how much more a body moves along its own direction than along one axis, by the strong lines of it."""
+    taper = np.hanning(values.size)
+    first, *others = (
+        np.fft.rfft(np.nan_to_num(of - np.nanmean(of)) * taper) for of in (values, *axes)
+    )
+    power = np.abs(first) ** 2
+    clear = power > _BAND * power.max()
+    total = float(power[clear].sum()) or 1.0
+    return math.hypot(*(float((first.conj() * of)[clear].sum().real) / total for of in others))
 
 
 def may_drive(values: Array, response: Array) -> bool:
