@@ -54,6 +54,10 @@ DECAYS = {
         {"velocity": V},
     ),
     "two axes": ({"acc x (m/s²)": A, "acc y (m/s²)": 0.2 * NOISE[0]}, {"acceleration": A}),
+    "a marker": (
+        {"X (mm)": 812.0 + NOISE[0], "Y (mm)": 1e3 * X, "Z (mm)": NOISE[1]},
+        {"displacement": X},
+    ),
     "an axis": ({"x (m/s²)": A}, {"acceleration": A}),
     "an angle and its rate": ({"theta": X, "omega": V}, {"displacement": X, "velocity": V}),
     "an angle in degrees": ({"roll": 45.0 + DEG * X}, {"displacement": np.pi / 4.0 + X}),

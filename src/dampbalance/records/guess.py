@@ -349,7 +349,7 @@ class Guesses:
         answers = [i for i in live if found[i].quantity in RESPONSES]
         dies = self.mapping.free or any(samples.dies_out(self.values[i]) for i in answers)
         if dies:
-            y = [i for i in live if self._words(i) == {"y"}]
+            y = [i for i in live if self._words(i) == {"y"} and i not in self.axes]
             swing = [i for i in y if self._may_drive(i, answers)]
             found |= {i: replace(found[i], quantity="displacement") for i in swing}
             self._ask(found, swing)
@@ -478,8 +478,10 @@ class Guesses:
         ratios: dict[int, float | None] = {}
         for i, j in itertools.pairwise(sorted(columns, key=order.__getitem__)):
             first, second = (find_motion(unit_of(self.channels[at]) or "") for at in (i, j))
-            s = self._slope(i, j, order[j] - order[i])
-            ratios[j] = abs(s) * second.factor / first.factor if s and first and second else None
+            ratios[j] = None
+            if first and second and first.coordinate == second.coordinate:
+                s = self._slope(i, j, order[j] - order[i])
+                ratios[j] = s and abs(s) * second.factor / first.factor
         return ratios
 
     def _scaled(self, found: dict[int, Guess], columns: Sequence[int]) -> list[int]:
