@@ -238,6 +238,11 @@ def test_a_rotation_in_degrees_or_radians_is_asked_for(name, values):
         read_records({"time_s": T, name: values})
 
 
+def test_a_clock_with_a_unit_goes_before_one_without():
+    (record,) = read_records({"time": 10.0 * T, "elapsed (s)": T, "x (m)": X})
+    np.testing.assert_allclose(record["displacement"].t, T, atol=1e-12)
+
+
 def test_an_angle_and_its_rate_without_units_rotate():
     with pytest.raises(RecordError, match="in which units are 'theta' and 'omega'"):
         read_records({"time_s": T, "theta": DEG * X / 5.0, "omega": DEG * V / 5.0})

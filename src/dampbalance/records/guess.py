@@ -162,14 +162,11 @@ class Guesses:
         if self.mapping.time is not None:
             return self.find(self.mapping.time, "time.channel")
         named = [i for i, raw in enumerate(self.channels) if names_time(raw)]
-        if len(named) > 1:  # T1 beside time_s is a temperature
-            clocks = [
-                i
-                for i in named
-                if holds_time(replace(self.channels[i], name=""))
-                or samples.equal_step(self.values[i]) is not None
-            ]
-            named = clocks or named
+        clocks = [i for i, raw in enumerate(self.channels) if holds_time(replace(raw, name=""))]
+        if {*named} - {*clocks} and len({*named, *clocks}) > 1:  # T1 beside time_s is a temperature
+            even = [i for i in named + clocks if samples.equal_step(self.values[i]) is not None]
+            stated = [i for i in clocks if i in named or i in even]
+            named = stated or [i for i in named if i in even] or named
         named = named or [i for i, raw in enumerate(self.channels) if holds_time(raw)]
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
         if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
