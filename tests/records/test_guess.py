@@ -178,7 +178,13 @@ def test_a_drive_that_dies_with_its_response_is_not_lost(name, until):
 
 
 @pytest.mark.parametrize(
-    ("name", "values"), [("x2 (mm)", 400.0 * X), ("velocity (m/s)", 3.6 * V), ("acc (g)", 0.4 * A)]
+    ("name", "values"),
+    [
+        ("x2 (mm)", 400.0 * X),
+        ("velocity (m/s)", 3.6 * V),
+        ("acc (g)", 0.4 * A),
+        ("acc (m/s²)", np.roll(A, 20)),  # of a table
+    ],
 )
 def test_a_motion_that_contradicts_another_is_asked_for(name, values):
     """As that of a second body, or in a wrong unit."""

@@ -469,26 +469,26 @@ class Guesses:
         return moves and all(r is not None and abs(r - 1.0) <= _ONE for r in ratios)
 
     def _ratios(self, found: dict[int, Guess], columns: Sequence[int]) -> dict[int, float | None]:
-        """Return by how much columns with units are each more than the derivative of the one before; None where they
-        are none."""
+        """Return by how much columns with units are each more than the derivative of the one before, 0 where they are
+        none; None where they cannot be compared."""
         order = {i: ORDERS.get(found[i].quantity, -1) for i in columns}
         ratios: dict[int, float | None] = {}
         for i, j in itertools.pairwise(sorted(columns, key=order.__getitem__)):
             first, second = (find_motion(unit_of(self.channels[at]) or "") for at in (i, j))
-            ratios[j] = None
-            if first and second and first.coordinate == second.coordinate:
-                s = self._slope(i, j, order[j] - order[i])
-                ratios[j] = s and abs(s) * second.factor / first.factor
+            same_clock = self.step(i) > 0.0 and self.values[i].size == self.values[j].size
+            ratios[j], n = None, order[j] - order[i]
+            if first and second and first.coordinate == second.coordinate and n and same_clock:
+                ratios[j] = abs(self._slope(i, j, n) or 0.0) * second.factor / first.factor
         return ratios
 
     def _scaled(self, found: dict[int, Guess], columns: Sequence[int]) -> list[int]:
-        """Return the columns that are a derivative of another in a wrong unit, or of another body, with why."""
-        ratios = {
-            i: r for i, r in self._ratios(found, columns).items() if r and abs(r - 1.0) > _ONE
-        }
+        """Return the columns that contradict another, as those of another body or in a wrong unit, with why."""
+        ratios = self._ratios(found, columns)
         for i, r in ratios.items():
-            found[i] = replace(found[i], reason=f"{r:.3g} times the derivative of another column")
-        return [*ratios]
+            if r is not None and abs(r - 1.0) > _ONE:
+                why = f"{r:.3g} times the" if r else "not a"
+                found[i] = replace(found[i], reason=f"{why} derivative of another column")
+        return [i for i in ratios if found[i].reason not in _LEVELS]
 
     def _slope(self, i: int, j: int, order: int) -> float | None:
         """Return by how much a column is more than a derivative of another."""
