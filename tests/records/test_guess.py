@@ -32,6 +32,7 @@ DECAYS = {
     "a constant": ({"battery": 0.0 * T + 3.7, "x (m)": X}, {"displacement": X}),
     "noise": ({"ch2": 30.189 + 6e-4 * NOISE[0], "pos (cm)": 100.0 * X}, {"displacement": X}),
     "noise in mm": ({"ch1 [mm]": NOISE[0], "ch2 [mm]": 1e3 * X}, {"displacement": X}),
+    "thermocouples": ({"T1": 0.1 * T - 0.001 * T**2, "T2 (°C)": T, "x (m)": X}, {"displacement": X}),
     "hum": ({"AI3": HUM, "Position (m)": X}, {"displacement": X}),
     "a hammer": ({"in1": BLOWS + 0.01 * NOISE[0], "weg (mm)": 1e3 * X}, {"displacement": X}),
     "a hammer in volts": ({"Hammer (V)": BLOWS, "acc (m/s²)": A}, {"acceleration": A}),
@@ -53,6 +54,10 @@ DECAYS = {
         {"velocity": V},
     ),
     "two axes": ({"acc x (m/s²)": A, "acc y (m/s²)": 0.2 * NOISE[0]}, {"acceleration": A}),
+    "a marker": (
+        {"X (mm)": 812.0 + NOISE[0], "Y (mm)": 1e3 * X, "Z (mm)": NOISE[1]},
+        {"displacement": X},
+    ),
     "an axis": ({"x (m/s²)": A}, {"acceleration": A}),
     "an angle and its rate": ({"theta": X, "omega": V}, {"displacement": X, "velocity": V}),
     "an angle in degrees": ({"roll": 45.0 + DEG * X}, {"displacement": np.pi / 4.0 + X}),
@@ -159,6 +164,34 @@ def test_what_a_name_or_a_unit_calls_a_drive_drives(drive, response, held):
     assert {*record.quantities} == held
 
 
+RUN_DOWN = np.cumsum(2.5 * np.clip(1.0 - T / 11.0, 0.0, None)) / 200.0
+
+
+@pytest.mark.parametrize("name", ["ch0", "AI3 [mm]", "y (mm)", "AI1 (m/s²)"])
+@pytest.mark.parametrize("until", [4.0, 12.0])
+def test_a_drive_that_dies_with_its_response_is_not_lost(name, until):
+    """A run-down through resonance, to rest or stopped before."""
+    drive = np.where(until > T, np.sin(2.0 * np.pi * RUN_DOWN), 0.0)
+    response = np.convolve(drive, ROOT.imag)[: T.size]
+    with pytest.raises(RecordError, match=r"hold: .*base_"):
+        read_records({"time_s": T, name: drive, "x (mm)": response})
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("x2 (mm)", 400.0 * X),
+        ("velocity (m/s)", 3.6 * V),
+        ("acc (g)", 0.4 * A),
+        ("acc (m/s²)", np.roll(A, 20)),  # of a table
+    ],
+)
+def test_a_motion_that_contradicts_another_is_asked_for(name, values):
+    """As that of a second body, or in a wrong unit."""
+    with pytest.raises(RecordError, match=r"(does|do) the column"):
+        read_records({"time_s": T, name: values, "displacement (mm)": 1e3 * X})
+
+
 def test_readings_of_one_velocity_are_one(tmp_path):
     """As of a damper with three estimates of its velocity: the loops of force and displacement."""
     x, v = np.sin(9.0 * T), 9.0 * np.cos(9.0 * T)
@@ -176,9 +209,49 @@ def test_times_in_parts_of_one_are_seconds(step):
     assert record["displacement"].t[-1] == pytest.approx(step * (T.size - 1))
 
 
-def test_whole_numbers_may_be_times_in_any_unit():
+@pytest.mark.parametrize("degrees", [10.0, 25.0, 45.0])
+def test_a_motion_between_two_axes_is_not_that_of_one(degrees):
+    x, z = np.cos(np.radians(degrees)) * A, 9.81 - np.sin(np.radians(degrees)) * A
+    columns = {"time_s": T, "ax (m/s²)": x, "ay (m/s²)": 0.05 * NOISE[0], "az (m/s²)": z}
+    if degrees < 15.0:
+        (record,) = read_records(columns)
+        assert np.std(record["acceleration"].values) == pytest.approx(np.std(A), rel=0.02)
+    else:
+        with pytest.raises(RecordError, match=f"scale: {np.std(A) / np.std(x):.3g}"):
+            read_records(columns)
+
+
+@pytest.mark.parametrize("step", [5.0, 0.5, 1.6, 0.01 / 3600.0, 0.01 / 86400.0])
+def test_times_that_no_recorder_has_in_seconds_are_asked_for(step):
+    """ms, whole or in halves, hours, and days of a spreadsheet."""
     with pytest.raises(RecordError, match="in which unit is 'time'"):
-        read_records({"time": 5.0 * np.arange(T.size), "x (m)": X})
+        read_records({"time": 3.0 + step * np.arange(T.size), "x (m)": X})
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("angle", DEG * X / 5.0),  # 2.3 degrees, or a turn and a half
+        ("roll", 40.0 + DEG * X / 5.0),
+        ("theta", np.rint(4096.0 / (2.0 * np.pi) * X)),  # ticks of an encoder
+        ("phi", 4.0 * np.pi + X),
+        ("omega", V),
+        ("Winkelgeschwindigkeit", DEG * V),
+    ],
+)
+def test_a_rotation_in_degrees_or_radians_is_asked_for(name, values):
+    with pytest.raises(RecordError, match=f"in which unit is '{name}'"):
+        read_records({"time_s": T, name: values})
+
+
+def test_a_clock_with_a_unit_goes_before_one_without():
+    (record,) = read_records({"time": 10.0 * T, "elapsed (s)": T, "x (m)": X})
+    np.testing.assert_allclose(record["displacement"].t, T, atol=1e-12)
+
+
+def test_an_angle_and_its_rate_without_units_rotate():
+    with pytest.raises(RecordError, match="in which units are 'theta' and 'omega'"):
+        read_records({"time_s": T, "theta": DEG * X / 5.0, "omega": DEG * V / 5.0})
 
 
 @pytest.mark.parametrize("empty", ["", ","])

@@ -215,7 +215,7 @@ class _Table:
         quantity = role.removesuffix(STANDARD_ERROR)
         rule = self.rules.table.get(quantity, ChannelRule(1))
         raw = self.file.channels[next(iter(self.columns[quantity].values()))]
-        text = rule.unit or unit_of(raw)
+        text = rule.unit or unit_of(raw, table=True)
         try:
             if text is None:
                 raise UnitError(

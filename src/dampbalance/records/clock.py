@@ -143,7 +143,7 @@ def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int
     steps = np.diff(number)
     longest = _GAP * min(max(float(np.quantile(steps, _MOST)), 1.0), _WIDEST)
     wide = np.flatnonzero((steps > longest) & (not ticks))
-    long = wide[steps[wide] > _LONG]
+    long = wide[(steps[wide] > _LONG) | (wide.size <= _SHOWN)]
     jumps = np.array([i for i in long.tolist() if _goes_on(signals, number, i)], dtype=np.intp)
     if jumps.size or number[-1] > _LARGEST * number.size:
         what = "jumps, while the signals go on," if jumps.size else "has a gap too long"

@@ -80,7 +80,7 @@ def draft(of: Guesses) -> Iterator[str]:
 
 def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
     """Return the unit and scale of a column in the mapping, and a remark on them."""
-    text, si = of.all[i].unit or unit_of(of.channels[i]) or "", SI.get(quantity)
+    text, si = of.all[i].unit or unit_of(of.channels[i], table=of.stepped) or "", SI.get(quantity)
     own, dimension = find_motion(text), DIMENSIONS.get(quantity)
     if of.stepped:
         own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]

@@ -66,7 +66,9 @@ LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _ROUNDING = 1e-3  # relative, of the absolute value of three axes
 _TRIED = 20  # columns that are read one by one where some column holds a text
-ANGLE = 6.3  # rad, of an angle: more is in degrees
+ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
+RIGHT_ANGLE = 1.6  # rad: what goes farther may be in degrees as well
+_STEPS, _LONGEST = (5e-6, 0.2), 3600.0  # s, of times without a unit; their span
 _SAME = 0.05  # relative: of gravity or of a slope, which tell a unit
 _KILOHERTZ, _HALF_TURN = 1000.0, 181.0  # what a frequency response goes up to, and its phase, deg
 _BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its unit"
@@ -160,6 +162,11 @@ class Guesses:
         if self.mapping.time is not None:
             return self.find(self.mapping.time, "time.channel")
         named = [i for i, raw in enumerate(self.channels) if names_time(raw)]
+        clocks = [i for i, raw in enumerate(self.channels) if holds_time(replace(raw, name=""))]
+        if {*named} - {*clocks} and len({*named, *clocks}) > 1:  # T1 beside time_s is a temperature
+            even = [i for i in named + clocks if samples.equal_step(self.values[i]) is not None]
+            stated = [i for i in clocks if i in named or i in even]
+            named = stated or [i for i in named if i in even] or named
         named = named or [i for i, raw in enumerate(self.channels) if holds_time(raw)]
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
         if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
@@ -177,14 +184,17 @@ class Guesses:
         return next(iter(named or before[-1:] or self.times), None)
 
     def unit_of_time(self, index: int) -> str | None:
-        """Return the unit of a time channel: without one, seconds if it counts in parts of one."""
+        """Return the unit of a time channel: without one, seconds if it counts in parts of one, as recorders do in s:
+        not in days, hours or ms."""
         if (text := self.mapping.time_unit or unit_of(self.channels[index])) is not None:
             return text
         values = self.values[index]
-        steps = np.diff(values[np.isfinite(values)])
-        return "s" if steps.size and 0.0 < np.median(np.abs(steps)) < 1.0 else None
+        values = values[np.isfinite(values)]
+        steps = np.diff(values)
+        likely = steps.size and _STEPS[0] < np.median(np.abs(steps)) < _STEPS[1]
+        return "s" if likely and np.ptp(values) < _LONGEST else None
 
-    def _step(self, index: int) -> float:
+    def step(self, index: int) -> float:
         """Return the sampling interval of a column, s; NaN where it is not known."""
         if rate := self.mapping.sample_rate_hz or self.channels[index].rate_hz:
             return 1.0 / rate
@@ -220,14 +230,14 @@ class Guesses:
         return {*words_of(self.channels[i].name)}
 
     @cached_property
-    def axes(self) -> dict[int, str]:
-        """The channels of accelerometers and gyroscopes of several axes, x, y and z, and their absolute value: why each
-        is not read, or "" for the axis with the most motion, by its standard deviation."""
+    def axes(self) -> dict[int, Guess]:
+        """The guesses for accelerometers and gyroscopes of several axes, x, y and z, and their absolute value: the axis
+        with the most motion, by its standard deviation, is read unless the motion is along none of them."""
         groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
         for i, raw in enumerate(self.channels):
             for axis, before, behind in axis_of(raw.name):
                 groups.setdefault((before, behind, raw.unit), {})[axis] = i
-        why: dict[int, str] = {}
+        found: dict[int, Guess] = {}
         for (before, behind, unit), group in groups.items():
             own, held = [*group.values()], [self.values[i] for i in group.values()]
             named = by_unit(self.channels[own[0]]) or quantity_of(self.channels[own[0]])
@@ -238,7 +248,16 @@ class Guesses:
             if len(own) == 2 and not (before + behind and self._dies(own[most])):
                 continue  # x and y in mm are the mass and the base
             other = f"an axis that moves less than {shortened(self.channels[own[most]].name)}"
-            why |= dict.fromkeys(own, other) | {own[most]: ""}
+            found |= dict.fromkeys(own, Guess("", other))
+            raw = self.channels[own[most]]
+            quantity, along = (
+                by_unit(raw) or quantity_of(raw) or "",
+                samples.along(held[most], held),
+            )
+            found[own[most]] = Guess(quantity, _BY_NAME)
+            if along > 1.0 + _SAME:
+                oblique = f"the motion is {along:.3g} times as large, along no axis: say scale: {along:.3g}"
+                found[own[most]] = Guess("", oblique, may=(quantity,))
             total = np.sqrt(np.sum(np.square(held), axis=0))
             for i, raw in enumerate(self.channels):
                 of = self.values[i] if raw.unit == unit and i not in own else np.empty(0)
@@ -246,8 +265,8 @@ class Guesses:
                     of, total, rtol=_ROUNDING, equal_nan=True
                 )
                 if near or (of.size and self._words(i) & {*_OF_AXES.split()}):
-                    why[i] = "the absolute value of several axes"
-        return why
+                    found[i] = Guess("", "the absolute value of several axes")
+        return found
 
     def _dies(self, i: int) -> bool:
         """Return whether the record is of a decay, as one of its channels shows."""
@@ -312,9 +331,7 @@ class Guesses:
     def _look(self, found: dict[int, Guess]) -> None:
         """Add what samples show to the guesses of names and units: what is no motion, which are one body, what drives,
         and what must be asked."""
-        for i, why in self.axes.items():
-            quantity = by_unit(self.channels[i]) or quantity_of(self.channels[i]) or ""
-            found[i] = Guess("", why) if why else Guess(quantity, _BY_NAME)
+        found |= self.axes
         level = {i: _LEVELS.index(of.reason) for i, of in found.items() if of.reason in _LEVELS}
         level = {i: at for i, at in level.items() if found[i].quantity not in ACCOMPANYING}
         still = {i: why for i in level if (why := samples.aside(self.values[i]))}
@@ -329,7 +346,11 @@ class Guesses:
         answers = [i for i in live if found[i].quantity in RESPONSES]
         dies = self.mapping.free or any(samples.dies_out(self.values[i]) for i in answers)
         if dies:
-            self._leave(found, [i for i in live if self._words(i) == {"y"}], _DECAYS)
+            y = [i for i in live if self._words(i) == {"y"} and i not in self.axes]
+            swing = [i for i in y if self._may_drive(i, answers)]
+            found |= {i: replace(found[i], quantity="displacement") for i in swing}
+            self._ask(found, swing)
+            self._leave(found, {*y} - {*swing}, _DECAYS)
             live = [i for i in live if found[i].reason in _LEVELS]
         if len(live) == 1 and level[live[0]] and (unit := by_unit(self.channels[live[0]])):
             found[live[0]] = Guess(unit, "the only signal")
@@ -347,6 +368,8 @@ class Guesses:
         if any(level[i] for i in chosen) and len(live) > 1:
             sure = self._are_one(found, chosen) if len(chosen) > 1 else known
             unsure = [] if sure and not unsure else chosen
+        if dies and not drives:
+            unsure = [*unsure, *self._scaled(found, chosen)]
         self._ask(found, unsure, drives)
         chosen = [i for i in chosen if i not in unsure]
         for i in live if chosen and known else ():
@@ -355,10 +378,21 @@ class Guesses:
                 chosen.append(i)
         if chosen and known:
             why = _TAKEN if drives else _DECAYS
-            self._leave(found, found.keys() - {*drives, *chosen}, why)
+            swing = [i for i in live if not drives and i not in chosen]
+            swing = [i for i in swing if level[i] and self._may_drive(i, chosen)]
+            self._ask(found, [i for i in swing if found[i].reason in _LEVELS])
+            asked = [i for i in live if found[i].may]
+            self._leave(found, found.keys() - {*drives, *chosen, *asked}, why)
         rest = [i for i in live if i not in (*drives, *chosen) and found[i].reason in _LEVELS]
         self._ask_of_loop(found, [i for i in rest if level[i] == _LEVELS.index(_BY_NOTHING)])
         self._ask(found, rest, drives)
+
+    def _may_drive(self, i: int, responses: Sequence[int]) -> bool:
+        """Return whether a column may drive others, as its samples have it, and nothing says that they decay."""
+        others = (j for j in responses if j != i)
+        return not self.mapping.free and any(
+            samples.may_drive(self.values[i], self.values[j]) for j in others
+        )
 
     def _ask_of_loop(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
         """Ask which of two columns that nothing names, and that have no times, is the force if they go round: which way
@@ -411,27 +445,53 @@ class Guesses:
             first, *others = bodies if len(bodies) == 1 else alike
             values = self.values if others else {}
             if same and all(samples.same_motion(values[first], values[i]) for i in others):
-                self._leave(found, others, f"moves as {self.names[first]}")
-                others = []
+                far = [] if len(bodies) == 1 else [i for i in others if self._far(first, i)]
+                self._leave(found, {*others} - {*far}, f"moves as {self.names[first]}")
+                others = far
             chosen += [first, *others]
         return chosen
 
+    def _far(self, first: int, other: int) -> bool:
+        """Return whether a column that moves as another goes farther, or less far, than it does."""
+        units = [find_motion(unit_of(self.channels[i]) or "") for i in (first, other)]
+        sizes = [
+            of.factor * np.nanstd(self.values[i])
+            for i, of in zip((first, other), units, strict=True)
+            if of
+        ]
+        return len(sizes) == 2 and bool(abs(sizes[1] / sizes[0] - 1.0) > _ONE)
+
     def _are_one(self, found: dict[int, Guess], columns: Sequence[int]) -> bool:
         """Return whether columns with units are each the derivative of the one before: of one body."""
+        ratios = self._ratios(found, columns).values()
+        moves = all(found[i].quantity in ORDERS for i in columns)
+        return moves and all(r is not None and abs(r - 1.0) <= _ONE for r in ratios)
+
+    def _ratios(self, found: dict[int, Guess], columns: Sequence[int]) -> dict[int, float | None]:
+        """Return by how much columns with units are each more than the derivative of the one before, 0 where they are
+        none; None where they cannot be compared."""
         order = {i: ORDERS.get(found[i].quantity, -1) for i in columns}
-        ranked = sorted(columns, key=order.__getitem__)
-        for i, j in itertools.pairwise(ranked):
+        ratios: dict[int, float | None] = {}
+        for i, j in itertools.pairwise(sorted(columns, key=order.__getitem__)):
             first, second = (find_motion(unit_of(self.channels[at]) or "") for at in (i, j))
-            s = self._slope(i, j, order[j] - order[i])
-            if s is None or first is None or second is None:
-                return False
-            if abs(abs(s) * second.factor / first.factor - 1.0) > _ONE:
-                return False
-        return min(order.values()) >= 0
+            same_clock = self.step(i) > 0.0 and self.values[i].size == self.values[j].size
+            ratios[j], n = None, order[j] - order[i]
+            if first and second and first.coordinate == second.coordinate and n and same_clock:
+                ratios[j] = abs(self._slope(i, j, n) or 0.0) * second.factor / first.factor
+        return ratios
+
+    def _scaled(self, found: dict[int, Guess], columns: Sequence[int]) -> list[int]:
+        """Return the columns that contradict another, as those of another body or in a wrong unit, with why."""
+        ratios = self._ratios(found, columns)
+        for i, r in ratios.items():
+            if r is not None and abs(r - 1.0) > _ONE:
+                why = f"{r:.3g} times the" if r else "not a"
+                found[i] = replace(found[i], reason=f"{why} derivative of another column")
+        return [i for i in ratios if found[i].reason not in _LEVELS]
 
     def _slope(self, i: int, j: int, order: int) -> float | None:
         """Return by how much a column is more than a derivative of another."""
-        step = self._step(i)
+        step = self.step(i)
         if order < 1 or not step > 0.0:
             return None
         return samples.slope(self.values[i], self.values[j], step, order)
@@ -455,10 +515,13 @@ class Guesses:
                 said = Finding("unit by slope", name | {"unit": unit, "other": self.names[j]})
                 return replace(guess, unit=unit, said=said)
         if guess.quantity == "displacement" and self._turns(i):
-            size = float(np.nanmax(np.abs(self.values[i]), initial=0.0))
-            unit = "rad" if size <= ANGLE else "deg"
+            values = self.values[i]
+            size = float(np.nanmax(np.abs(values), initial=0.0))
+            swing = 0.5 * (np.nanmax(values, initial=-size) - np.nanmin(values, initial=size))
+            counted = np.array_equal(values, np.rint(values))  # by an encoder
+            unit = "rad" if size <= RIGHT_ANGLE else "deg" if swing > ANGLE and not counted else ""
             said = Finding("unit by size", name | {"unit": unit, "size": size})
-            return replace(guess, unit=unit, said=said)
+            return replace(guess, unit=unit, said=said if unit else None)
         if guess.quantity == "acceleration":
             own = [j for j in self.axes if self.channels[j].unit is None] if i in self.axes else [i]
             means = [float(np.nanmean(self.values[j])) for j in own]
@@ -529,7 +592,7 @@ class Guesses:
         if asked:
             may = listed([*dict.fromkeys(q for i in asked for q in self.all[i].may)], "or")
             why = [self.all[i].reason for i in asked if self.all[i].reason not in _LEVELS]
-            free = "" if self.mapping.free else " If it is a free decay, give --kind ring-down."
+            free = " If it is a free decay, give --kind ring-down." if "base_" in may else ""
             verb = "do the columns" if len(asked) > 1 else "does the column"
             names = listed([self.names[i] for i in asked[:LISTED]])
             because = f" ({'; '.join(dict.fromkeys(why))})" if why else ""

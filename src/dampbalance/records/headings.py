@@ -55,8 +55,11 @@ STANDARD_ERROR = "_standard_error"
 AXES = {"x", "y", "z"}
 """Letters that are directions, beside another word or a unit that is no displacement's."""
 
-TURNING = "angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel"
-"""Words of an angle, which may have no unit."""
+TURNING = (
+    "angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel omega ω drehzahl "
+    "winkelgeschwindigkeit winkelbeschleunigung"
+)
+"""Words of a rotation, which may have no unit."""
 
 TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
 """Words of a heading that make a channel a temperature, which is left aside."""
@@ -125,9 +128,12 @@ def key_of(name: str) -> str:
 
 
 def names_time(raw: RawChannel) -> bool:
-    """Return whether a channel holds times by its name, or points in time."""
-    key = key_of(raw.name)
-    return raw.stamps or any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
+    """Return whether a channel holds times by its name, unless its unit is another's, or points in time."""
+    key, unit = key_of(raw.name), find_unit(raw.unit or "")
+    other = find_other(raw.unit or "") or (unit and unit.dimension != "time")
+    return raw.stamps or (
+        not other and any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
+    )
 
 
 def holds_time(raw: RawChannel) -> bool:
@@ -141,10 +147,14 @@ def full_name(raw: RawChannel) -> str:
     return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
 
 
-def unit_of(raw: RawChannel) -> str | None:
-    """Return the unit of a channel as the file spells it, or as its name implies; None for none."""
+def unit_of(raw: RawChannel, *, table: bool = False) -> str | None:
+    """Return the unit of a channel as the file spells it, or as its name implies; None for none.
+
+    table : whether it is a column of a table of steady responses, whose ω is a frequency in rad/s.
+    """
     if raw.unit or not _SECONDS.fullmatch(key_of(raw.name)):
-        return raw.unit or ("rad/s" if {*words_of(raw.name)} & {"omega", "ω"} else None)
+        omega = table and {*words_of(raw.name)} & {"omega", "ω"}
+        return raw.unit or ("rad/s" if omega else None)
     return "s"
 
 

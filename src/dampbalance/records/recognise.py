@@ -140,9 +140,11 @@ def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
     read; a displacement or velocity that only its unit shows, which may be that against a base that moves."""
     names, where = guesses.names, {"where": guesses.where}
     yield from (of.said for of in guesses.all.values() if of.said)
-    for time in {pick.time for pick in picks if pick.time is not None}:
-        if unit_of(guesses.channels[time]) is None and not guesses.mapping.time_unit:
-            yield Finding("seconds", {"channel": names[time]} | where)
+    clocks = {pick.time: pick.index for pick in picks if pick.time is not None}
+    for clock, own in clocks.items():
+        if unit_of(guesses.channels[clock]) is None and not guesses.mapping.time_unit:
+            of = {"channel": names[clock], "rate": 1.0 / guesses.step(own)}
+            yield Finding("seconds", of | where)
     sizes = {guesses.channels[pick.index].size for pick in picks}
     if unused := [
         f"{names[i]} ({of.reason})"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -22,6 +23,7 @@ _DIED = 0.35  # of the largest range in a part, left in the last
 _BAND = 0.02  # of the strongest line: weaker ones show noise
 _ALIKE = 0.95  # correlation of two columns that are one motion
 _OUTSIDE = 0.1  # of half the range: nearer to its middle a loop may rest
+_NEAR = 4.0  # times slower or faster than a response: what swings within may drive it
 _ARC = 0.9  # share of the variance that a parabola of another coordinate explains
 
 
@@ -117,6 +119,30 @@ def same_motion(values: Array, other: Array) -> bool:
     if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
         return False
     return bool(abs(np.corrcoef(values[both], other[both])[0, 1]) > _ALIKE)
+
+
+def along(values: Array, axes: Sequence[Array]) -> float:
+    """Return by how much more a body moves along its own direction than along one axis, by the strong lines of it."""
+    taper = np.hanning(values.size)
+    first, *others = (
+        np.fft.rfft(np.nan_to_num(of - np.nanmean(of)) * taper) for of in (values, *axes)
+    )
+    power = np.abs(first) ** 2
+    clear = power > _BAND * power.max()
+    total = float(power[clear].sum()) or 1.0
+    return math.hypot(*(float((first.conj() * of)[clear].sum().real) / total for of in others))
+
+
+def may_drive(values: Array, response: Array) -> bool:
+    """Return whether a column swings at about the rate of a response, not in proportion: what drives it may do so."""
+    if values.size != response.size or values.size < _ENOUGH or same_motion(values, response):
+        return False
+    taper = np.hanning(values.size)
+    both = (np.nan_to_num(of - np.nanmean(of)) * taper for of in (values, response))
+    own, its = (np.abs(np.fft.rfft(of)[1:]) ** 2 for of in both)
+    line = int(np.argmax(its)) + 1
+    near = own[math.ceil(line / _NEAR) - 1 : math.floor(line * _NEAR)]
+    return bool(near.sum() > 0.5 * own.sum())
 
 
 def is_arc(values: Array, other: Array) -> bool:
