@@ -53,6 +53,8 @@ from .units import (
     DIMENSIONS,
     PER_FORCE,
     TABLE_DIMENSIONS,
+    TABLE_DRIVES,
+    TABLE_RESPONSES,
     UNITS,
     VOLTAGE,
     UnitError,
@@ -85,8 +87,6 @@ _GRAVITY = 9.80665  # m/s²
 _OF_LOOP = "displacement", "force"
 _GOES_ROUND = "a guess: the two columns go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
-_DRIVES = (*EXCITATIONS, "base_velocity")
-_RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
 
 
 @dataclass(frozen=True, slots=True)
@@ -567,7 +567,7 @@ class Guesses:
     def is_response(self) -> bool:
         """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
         named = [column_of(raw) for raw in self.channels]
-        driven = {*_DRIVES} & {*named} or "force" in map(by_unit, self.channels)
+        driven = TABLE_DRIVES.keys() & {*named} or "force" in map(by_unit, self.channels)
         if driven or self.mapping.force_N or any(map(names_time, self.channels)):
             return False
         frequency = phase = False
@@ -584,7 +584,9 @@ class Guesses:
 
 def _slot(quantity: str) -> str:
     """Return what a table has one of: one drive, one response."""
-    return "drive" if quantity in _DRIVES else "response" if quantity in _RESPONSES else quantity
+    if quantity in TABLE_DRIVES:
+        return "drive"
+    return "response" if quantity in TABLE_RESPONSES else quantity
 
 
 def _near(factor: float, dimension: str) -> str:

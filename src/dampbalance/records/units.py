@@ -235,13 +235,10 @@ SI = {**QUANTITIES, "base_velocity": "m/s", "frequency": "Hz", "phase": "rad"} |
 """SI unit of what a column may hold, of a translation."""
 
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
-TABLE_DIMENSIONS = {
-    **{"frequency": "frequency", "force": "force"},
-    **{f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE},
-    **{q: DIMENSIONS[q] for q in ABSOLUTE},
-    **PER_FORCE,
-    **{"phase": "angle", "level": ""},
-}
+TABLE_DRIVES = {"force": "force"} | {f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE}
+TABLE_RESPONSES = {q: DIMENSIONS[q] for q in ABSOLUTE} | PER_FORCE
+TABLE_DIMENSIONS = {"frequency": "frequency"} | TABLE_DRIVES | TABLE_RESPONSES
+TABLE_DIMENSIONS |= {"phase": "angle", "level": ""}
 """Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
 the motion per force; a level is a number without one."""
 
