@@ -338,7 +338,7 @@ def test_the_mapping_and_the_options_reach_the_records(tmp_path):
     assert [n - 5 for n in cycles] == fewer
     with pytest.raises(ValueError, match=r"record 1: the excitation oscillates"):
         identify(named, PAPER.k, mapping=mapping, frequency=7.0)
-    with pytest.raises(RecordError, match="'in' has no unit"):
+    with pytest.raises(RecordError, match="in which units are 'in' and 'out'"):
         identify(named, PAPER.k)
 
 

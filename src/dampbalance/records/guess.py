@@ -56,12 +56,9 @@ from .units import (
     TABLE_DRIVES,
     TABLE_RESPONSES,
     UNITS,
-    VOLTAGE,
-    UnitError,
     find_motion,
     find_other,
     find_unit,
-    unit_for,
 )
 
 LISTED = 20  # columns in a message
@@ -539,30 +536,6 @@ class Guesses:
         require_one_coordinate(str(self.path), turns)
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
             yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
-        for quantity, i in held.items():
-            if problem := self._of_unit(i, self.coordinate(i).key(quantity)):
-                yield problem
-        if self.mapping.sample_rate_hz is None and held:
-            untimed = [i for i in held.values() if self.channels[i].rate_hz is None]
-            for i, time in {i: self.time_of(i) for i in untimed}.items():
-                if time is None and (fault := self.channels[i].fault):
-                    raise RecordError(f"{self.path}: {fault}")
-                if time is None and not self.untimed:
-                    yield "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
-                elif time is not None and (problem := self._of_unit(time, "time")):
-                    yield problem
-
-    def _of_unit(self, i: int, quantity: str) -> str:
-        """Return what is to be said of the unit of a column; "" for nothing."""
-        if (text := self.unit_of_time(i) if quantity == "time" else self.all[i].unit) is None:
-            return f"in which unit is {self.names[i]}?"
-        try:
-            unit_for(text, quantity)
-        except UnitError as error:
-            if find_other(text) == VOLTAGE:
-                return f"what is the scale of {self.names[i]}, which is in {text}?"
-            return f"channel {shortened(self.channels[i].name)}: {error}"
-        return ""
 
     def is_response(self) -> bool:
         """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
