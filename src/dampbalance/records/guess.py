@@ -25,7 +25,6 @@ from .channel import (
     EXCITATIONS,
     ORDERS,
     RESPONSES,
-    require_one_coordinate,
 )
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
@@ -510,12 +509,6 @@ class Guesses:
             if of.quantity
         }
 
-    @property
-    def untimed(self) -> bool:
-        """Whether what is read is a measured loop, which does without times."""
-        read = (of.quantity for of in self.all.values() if of.quantity)
-        return is_loop(read) and not self.mapping.free
-
     def questions(self) -> Iterator[str]:
         """Yield what is to be said of the file before it can be read, the first thing first."""
         held = {of.quantity: i for i, of in self.all.items() if of.quantity}
@@ -532,8 +525,6 @@ class Guesses:
             names = listed([self.names[i] for i in asked[:LISTED]])
             because = f" ({'; '.join(why)})" if why else ""
             yield f"what {verb} {names} hold: {may}?{free}{because}"
-        turns = {self.channels[i].name: self.coordinate(i) for i in held.values()}
-        require_one_coordinate(str(self.path), turns)
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
             yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
 
