@@ -313,7 +313,7 @@ def refused(path, match, mapping=None):
         ("time,y [m],x [m]\n" + "4.5.2021 10:00,1,2\n" * 3, r"'4\.5\.2021 10:00' is a date that can be read in"),
         ("time,y [m],x [m]\n" + "monday,1,2\n" * 3, r"neither texts nor dates are read, except 2026-03-01T12"),
         (HEADER + "0.0,1.0,2.0\n0.001,2.0,3.0\n", r"has 2 samples"),
-        (HEADER.replace("[g]", "[gee]") + rows(), r"'acc': unknown unit 'gee'.*needs one of acceleration"),
+        (HEADER.replace("[g]", "[gee]") + rows(), r"'acc': unknown unit 'gee'.*acceleration needs one of"),
         (HEADER.replace("[g]", "[mm/s]") + rows(), r"its name says acceleration, its unit velocity"),
         (HEADER.replace("[g]", "") + rows(), r"in which unit is 'acc'\? Say it in .*csv\.yaml .*, for"),
         (HEADER.replace("[s]", "") + rows(columns=(1e3 * T, Y, A)), r"(?s)in which unit is 'time'\?.*time, unit: \"\?"),
