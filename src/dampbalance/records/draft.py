@@ -79,17 +79,18 @@ def draft(of: Guesses) -> Iterator[str]:
 
 def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
     """Return the unit and scale of a column in the mapping, and a remark on them."""
-    text, si = of.all[i].unit or unit_of(of.channels[i]) or "", SI.get(quantity)
+    text = of.all[i].unit or unit_of(of.channels[i]) or ""
     own, dimension = find_motion(text), DIMENSIONS.get(quantity)
     if of.stepped:
         own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
-    if si is None:  # a level
+    if not dimension:  # a level
         return "", ""
     if own and dimension in (own.dimension, own.counterpart):
         return f", unit: {own.name}", "; the file has no unit" * (of.all[i].said is not None)
     if text and quantity in PER_FORCE:
         return f", unit: {text}", ""
     if find_other(text):
+        si = SI[dimension]
         return f', unit: {si}, scale: "{BLANK}"', f"; recorded in {text}: {si} per {text}"
     if quantity == "phase" and not text and (values := of.values[i]).size:
         unit = "rad" if np.nanmax(np.abs(values)) <= ANGLE else "deg"

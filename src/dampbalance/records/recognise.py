@@ -29,7 +29,7 @@ from .headings import unit_of
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import Table
-from .units import DIMENSIONS, UNITS, VOLTAGE, UnitError, find_other, unit_for
+from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
 
 _BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
@@ -171,8 +171,7 @@ def _unit(guesses: Guesses, i: int, text: str | None, quantity: str) -> float:
             what = f"what is the scale of {guesses.names[i]}, which is in {text}?"
         say = "If the file is wrong, say"
     key = "time" if quantity == "time" else f"channels.{quantity}"
-    si = next((u.name for u in UNITS if u.dimension == DIMENSIONS[quantity]), "s")
-    raise _asked(guesses, what, f"{say} unit: {si}, or as recorded, at {key}")
+    raise _asked(guesses, what, f"{say} unit: {SI[DIMENSIONS[quantity]]}, or as recorded, at {key}")
 
 
 def _asked(guesses: Guesses, what: str, remedy: str) -> RecordError:

@@ -229,10 +229,8 @@ DIMENSIONS = {q: _dimension(unit) for q, unit in (QUANTITIES | {"time": "s"}).it
 DIMENSIONS |= {q: _dimension(ROTATION.unit(QUANTITIES[of])) for q, of in ROTATING.items()}
 """Dimension of what a channel may hold."""
 
-SI = {**QUANTITIES, "base_velocity": "m/s", "frequency": "Hz", "phase": "rad"} | {
-    **{"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s²/N"}
-}
-"""SI unit of what a column may hold, of a translation."""
+SI = {of.dimension: of.name for of in reversed(UNITS)}
+"""SI unit of each dimension, which stands first in the table."""
 
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
 TABLE_DRIVES = {"force": "force"} | {f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE}
