@@ -132,7 +132,7 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untime
     rate = (
         "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
     )
-    raise _asked(guesses, rate, "Say sample_rate_hz")
+    raise _asked(guesses, rate, f"Channel {shortened(raw.name)} needs it: say sample_rate_hz")
 
 
 def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
