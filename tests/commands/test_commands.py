@@ -456,7 +456,7 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, capsys, answer):
     shown, written = capsys.readouterr().out, mapping.read_text(encoding="utf-8")
     assert shown.startswith(f"{written}\nWritten to {mapping}. ")
     assert shown.endswith("give the same command without --write-mapping.\n")
-    assert "is a blank" in answer(*command, code=2)
+    assert "is not allowed" in answer(*command, code=2)
     columns = {"base_displacement": "Channel A", "displacement": "Channel B"}
     said = filled(yaml.safe_load(written), columns, units={"displacement": "m"})
     mapping.write_text(yaml.safe_dump(said), encoding="utf-8")

@@ -132,7 +132,7 @@ def test_times_are_asked_for_where_a_motion_needs_them(tmp_path):
         "displacement": {"channel": 1, "unit": "mm"},
         "force": {"channel": 2, "unit": "kN", "delay": 1e-3},
     }
-    with pytest.raises(ValueError, match="'force' has no times"):
+    with pytest.raises(ValueError, match="'force' needs it: say sample_rate_hz"):
         read_records(file, mapping={"channels": channels})
 
 

@@ -192,6 +192,14 @@ def test_text_after_the_data_is_left_aside(suffix, tmp_path):
     assert (said.numbers["first"], said.numbers["last"]) == (last + 2, last + 4)
 
 
+def test_text_after_data_whose_samples_say_what_they_are_is_told(tmp_path):
+    (record,), file = decay("displacement"), tmp_path / "run.csv"
+    frame = pd.DataFrame(record).set_axis(["time_s", "laser_m"], axis=1)
+    file.write_text(f"{frame.to_csv(index=False)}End of record\n", encoding="utf-8")
+    (found,) = read_records(file)
+    assert [said.code for said in found.warnings] == ["text after numbers"]
+
+
 def test_text_before_further_data_is_refused(tmp_path):
     (record, *_), file = forced(), tmp_path / "run.csv"
     text = pd.DataFrame(record).to_csv(index=False).splitlines(keepends=True)

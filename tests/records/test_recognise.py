@@ -54,7 +54,7 @@ def test_roles_units_and_times_are_refused_before_samples_are_loaded():
     for document, message in [
         ({"acceleration": {"channel": "b"}}, "no channel 'b'; it has 1 'y .mm.', 2 'acc .g.'"),
         ({"acceleration": {"channel": "y"}}, "'y': 'mm' is a unit of length"),
-        ({"acceleration": {"channel": "acc"}}, "'acc' has no times"),
+        ({"acceleration": {"channel": "acc"}}, "'acc' needs it: say sample_rate_hz"),
     ]:
         with pytest.raises(RecordError, match=message):
             recognise(refused, mapping_from({"channels": document}))

@@ -133,7 +133,7 @@ def test_what_is_unclear_is_refused_with_a_mapping_that_is_read_when_its_blanks_
     if quantities is not None:
         draft = shown(error.value)
         assert draft == yaml.safe_load(mapping_to_start_from(path))
-        with pytest.raises(RecordError, match="is a blank"):
+        with pytest.raises(RecordError, match="is not allowed"):
             read(path, draft)
         names = {q: (split_label(headings[i])[0], i + 2) for q, i in quantities.items()}
         assert held(read(path, filled(draft, names))) == quantities

@@ -100,8 +100,7 @@ def run(options: argparse.Namespace) -> bool:
 
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
-    from ..project.documents import read_yaml  # slow to import
-    from ..records.mapping import BLANK, blanks_in, find_mapping, mapping_for, read_mapping
+    from ..records.mapping import BLANK, find_mapping, mapping_for, read_mapping
     from ..records.readers import mapping_to_start_from, quantities_of
 
     file: Path = options.write_mapping
@@ -114,7 +113,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
     text = mapping_to_start_from(options.records[0], known, stepped)
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
-        blanks = len(blanks_in(read_yaml(unfinished)))
+        blanks = f'{BLANK}"' in text
         mapping = None if blanks else replace(read_mapping(unfinished), source=str(file))
         for record in options.records if mapping and mapping.channels else ():
             quantities_of(record, mapping)

@@ -27,14 +27,19 @@ from ..records.headings import STANDARD_ERROR, column_of, last_part, unit_of, wo
 from ..records.mapping import ChannelRule, RecordMapping
 from ..records.record import Record
 from ..records.table import Table
-from ..records.units import PER_FORCE, TABLE_DIMENSIONS, UnitError, table_factor
+from ..records.units import (
+    PER_FORCE,
+    TABLE_DIMENSIONS,
+    TABLE_DRIVES,
+    TABLE_RESPONSES,
+    UnitError,
+    table_factor,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
 
 _ORDERS = {"force": 0, "length": 0, "velocity": 1, "acceleration": 2}
-_DRIVES = ("force", *(f"base_{motion}" for motion in ABSOLUTE))
-_RESPONSES = (*ABSOLUTE, *PER_FORCE)
 _FEWEST = 3  # lines of a level
 _LARGEST = 1.0  # m, of a displacement
 _TURNS = 4.0 * math.pi  # rad: no phase that is counted on over several turns goes beyond it
@@ -182,13 +187,13 @@ class _Table:
                 raise unclear(self.guesses, f"{both} are both taken for {role}")
         for role in [q for q in self.columns if q.removesuffix(STANDARD_ERROR) not in self.columns]:
             del self.columns[role]
-        answers = [q for q in _RESPONSES if q in self.columns]
+        answers = [q for q in TABLE_RESPONSES if q in self.columns]
         per_force = bool({*answers} & {*PER_FORCE})
-        drives = [q for q in _DRIVES[: 1 if per_force else None] if q in self.columns]
+        drives = [q for q in [*TABLE_DRIVES][: 1 if per_force else None] if q in self.columns]
         drives = drives or [""] * bool(per_force and rules.force_N)
         drive = "the force (or force_N, of all lines)" if per_force else "a force or the base"
         needed = {q: [q] * (q in self.columns) for q in ("frequency", "phase")}
-        needed |= {drive: drives, f"a response ({', '.join(_RESPONSES)})": answers}
+        needed |= {drive: drives, f"a response ({', '.join(TABLE_RESPONSES)})": answers}
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
             raise unclear(self.guesses, f"finds {listed(wrong)}")

@@ -12,10 +12,9 @@ import numpy as np
 from ..project.wording import listed
 from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES
 from .errors import RecordError
-from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses
+from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses, is_loop
 from .headings import STANDARD_ERROR, of_level, unit_of
-from .mapping import BLANK, RecordMapping
-from .table import Table
+from .mapping import BLANK
 from .units import DIMENSIONS, PER_FORCE, SI, TABLE_DIMENSIONS, find_motion, find_other, find_unit
 
 # words that YAML takes for others
@@ -64,7 +63,8 @@ def draft(of: Guesses) -> Iterator[str]:
         if (value := getattr(of.mapping, key)) not in (None, ""):
             yield f"{key}: {json.dumps(value, ensure_ascii=False)}"
     if not of.stepped:
-        yield from _time(of)
+        may_be = [q for guess in of.all.values() for q in (guess.quantity, *guess.may) if q]
+        yield from _time(of, is_loop(may_be) and not of.mapping.free)
     elif of.per_force and not driving and not of.mapping.force_N:
         yield f'force_N: "{BLANK}"  # the amplitude of the force: the file has none'
     read = {of.keys[i] for i in chosen.values()} if of.stepped else set()  # of all levels
@@ -80,17 +80,18 @@ def draft(of: Guesses) -> Iterator[str]:
 
 def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
     """Return the unit and scale of a column in the mapping, and a remark on them."""
-    text, si = of.all[i].unit or unit_of(of.channels[i], table=of.stepped) or "", SI.get(quantity)
+    text = of.all[i].unit or unit_of(of.channels[i], table=of.stepped) or ""
     own, dimension = find_motion(text), DIMENSIONS.get(quantity)
     if of.stepped:
         own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
-    if si is None:  # a level
+    if not dimension:  # a level
         return "", ""
     if own and dimension in (own.dimension, own.counterpart):
         return f", unit: {own.name}", "; the file has no unit" * (of.all[i].said is not None)
     if text and quantity in PER_FORCE:
         return f", unit: {text}", ""
     if find_other(text):
+        si = SI[dimension]
         return f', unit: {si}, scale: "{BLANK}"', f"; recorded in {text}: {si} per {text}"
     if quantity == "phase" and not text and (values := of.values[i]).size:
         unit = "rad" if np.nanmax(np.abs(values)) <= ANGLE else "deg"
@@ -98,9 +99,9 @@ def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
     return f', unit: "{BLANK}"', f"; recorded in {text}" if text else "; the file has no unit"
 
 
-def _time(of: Guesses) -> Iterator[str]:
+def _time(of: Guesses, untimed: bool) -> Iterator[str]:
     """Yield the line about times, if one is needed."""
-    known = of.untimed or of.mapping.sample_rate_hz or any(c.rate_hz for c in of.channels)
+    known = untimed or of.mapping.sample_rate_hz or any(c.rate_hz for c in of.channels)
     if not of.times and not known:
         yield f'sample_rate_hz: "{BLANK}"  # samples per second: the file has no times'
     if of.mapping.sample_rate_hz is None and len(of.times) == 1:
@@ -118,18 +119,3 @@ def _which(of: Guesses, i: int) -> str:
         return str(i + 1)
     plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
     return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())
-
-
-def suggested_mapping(file: Table, mapping: RecordMapping, stepped: bool | None = None) -> str:
-    """Return a mapping in YAML for a table whose mapping, so far, names no channels: each line with its reason.
-
-    stepped : whether it holds steady responses to a stepped sine; None to see it by its columns.
-
-    Raises RecordError where the mapping names channels already, or nothing in the file can be named.
-    """
-    if mapping.channels or mapping.table:
-        raise RecordError(f"{mapping.source} names the channels of {file.path} already")
-    guesses = Guesses(file, mapping, stepped=stepped)
-    if not (lines := [*draft(guesses)]):
-        raise unclear(guesses, "finds no column that may be a motion or a force.")
-    return "\n".join([*lines, ""])

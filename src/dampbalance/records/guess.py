@@ -25,7 +25,6 @@ from .channel import (
     EXCITATIONS,
     ORDERS,
     RESPONSES,
-    require_one_coordinate,
 )
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
@@ -53,13 +52,12 @@ from .units import (
     DIMENSIONS,
     PER_FORCE,
     TABLE_DIMENSIONS,
+    TABLE_DRIVES,
+    TABLE_RESPONSES,
     UNITS,
-    VOLTAGE,
-    UnitError,
     find_motion,
     find_other,
     find_unit,
-    unit_for,
 )
 
 LISTED = 20  # columns in a message
@@ -87,8 +85,6 @@ _GRAVITY = 9.80665  # m/s²
 _OF_LOOP = "displacement", "force"
 _GOES_ROUND = "they go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
-_DRIVES = (*EXCITATIONS, "base_velocity")
-_RESPONSES = (*ABSOLUTE, *PER_FORCE)  # of a table
 
 
 @dataclass(frozen=True, slots=True)
@@ -397,8 +393,9 @@ class Guesses:
     def _ask_of_loop(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
         """Ask which of two columns that nothing names, and that have no times, is the force if they go round: which way
         they do follows from its sign as well."""
+        known = self.times or self.mapping.sample_rate_hz or self.mapping.free
         read = any(of.quantity for of in found.values())
-        if read or self.times or self.mapping.free or len(unnamed) != 2:
+        if read or known or len(unnamed) != 2:
             return
         if samples.go_round(*(self.values[i] for i in unnamed)):
             found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=_OF_LOOP))
@@ -575,12 +572,6 @@ class Guesses:
             if of.quantity
         }
 
-    @property
-    def untimed(self) -> bool:
-        """Whether what is read, or asked for, is a measured loop, which does without times."""
-        read = [q for of in self.all.values() for q in (of.quantity, *of.may) if q]
-        return is_loop(read) and not self.mapping.free
-
     def questions(self) -> Iterator[str]:
         """Yield what is to be said of the file before it can be read, the first thing first."""
         held = {of.quantity: i for i, of in self.all.items() if of.quantity}
@@ -597,39 +588,13 @@ class Guesses:
             names = listed([self.names[i] for i in asked[:LISTED]])
             because = f" ({'; '.join(dict.fromkeys(why))})" if why else ""
             yield f"what {verb} {names} hold: {may}{because}?{free}"
-        turns = {self.channels[i].name: self.coordinate(i) for i in held.values()}
-        require_one_coordinate(str(self.path), turns)
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
             yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
-        for quantity, i in held.items():
-            if problem := self._of_unit(i, self.coordinate(i).key(quantity)):
-                yield problem
-        if self.mapping.sample_rate_hz is None and held:
-            untimed = [i for i in held.values() if self.channels[i].rate_hz is None]
-            for i, time in {i: self.time_of(i) for i in untimed}.items():
-                if time is None and (fault := self.channels[i].fault):
-                    raise RecordError(f"{self.path}: {fault}")
-                if time is None and not self.untimed:
-                    yield "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
-                elif time is not None and (problem := self._of_unit(time, "time")):
-                    yield problem
-
-    def _of_unit(self, i: int, quantity: str) -> str:
-        """Return what is to be said of the unit of a column; "" for nothing."""
-        if (text := self.unit_of_time(i) if quantity == "time" else self.all[i].unit) is None:
-            return f"in which unit is {self.names[i]}?"
-        try:
-            unit_for(text, quantity)
-        except UnitError as error:
-            if find_other(text) == VOLTAGE:
-                return f"what is the scale of {self.names[i]}, which is in {text}?"
-            return f"channel {shortened(self.channels[i].name)}: {error}"
-        return ""
 
     def is_response(self) -> bool:
         """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
         named = [column_of(raw) for raw in self.channels]
-        driven = {*_DRIVES} & {*named} or "force" in map(by_unit, self.channels)
+        driven = TABLE_DRIVES.keys() & {*named} or "force" in map(by_unit, self.channels)
         if driven or self.mapping.force_N or any(map(names_time, self.channels)):
             return False
         frequency = phase = False
@@ -646,7 +611,9 @@ class Guesses:
 
 def _slot(quantity: str) -> str:
     """Return what a table has one of: one drive, one response."""
-    return "drive" if quantity in _DRIVES else "response" if quantity in _RESPONSES else quantity
+    if quantity in TABLE_DRIVES:
+        return "drive"
+    return "response" if quantity in TABLE_RESPONSES else quantity
 
 
 def _near(factor: float, dimension: str) -> str:

@@ -148,7 +148,7 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     remedy."""
     from ..project.documents import against_schema, in_lines, read_schema
 
-    problems = blanks_in(document) or against_schema(document, read_schema(SCHEMA))
+    problems = against_schema(document, read_schema(SCHEMA))
     problems = problems or list(_contradictions(document))
     if problems:
         raise RecordError(in_lines(problems, {source: document}))
@@ -161,19 +161,6 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     table = ReadOnly({q: _rule(q, rule) for q, rule in keys.pop("table", {}).items()})
     rules = ReadOnly({ROTATING.get(q, q): _rule(q, rule) for q, rule in channels.items()})
     return RecordMapping(source, rules, time.get("channel"), time.get("unit"), table=table, **keys)
-
-
-def blanks_in(document: Any) -> list[tuple[tuple[str | int, ...], str]]:
-    """Return the blanks of a draft that are not filled in, as problems."""
-    found: list[tuple[tuple[str | int, ...], str]] = []
-    for key, value in document.items() if isinstance(document, Mapping) else ():
-        if str(key).endswith(BLANK):
-            found.append(((key,), "is a blank: write what the column holds, or delete the line"))
-        elif value == BLANK and key not in ("channel", "standard_error"):
-            found.append(((key,), "is a blank: fill it in"))
-        elif isinstance(value, Mapping):
-            found += [((key, *inner), words) for inner, words in blanks_in(value)]
-    return found
 
 
 def _rule(of: str, stated: Mapping[str, Any]) -> ChannelRule:

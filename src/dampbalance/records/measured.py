@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -104,14 +103,17 @@ def _read(
     runs = [file] if others or rules.channels or rules.table else runs_of(file)
     read: list[Record] = []
     for n, run in enumerate(runs, start=1):
-        with _collected_warnings(name) as warned:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RecordWarning)
             if reader is not None and (of_its_kind := reader(run, of, label)) is not None:
                 return (of_its_kind,)
             record = recognise(run, of, *others)
+        said = [w.message.finding for w in caught if isinstance(w.message, RecordWarning)]
+        warned = [one for i, one in enumerate(said) if one not in said[:i]]
         record = replace(record, name=name, label=label, rules=rules, warnings=tuple(warned))
         if len(runs) > 1:
-            said = Finding("several runs", {"runs": len(runs)})
-            record = replace(record, label=f"{label} (run {n})", warnings=(*warned, said))
+            several = Finding("several runs", {"runs": len(runs)})
+            record = replace(record, label=f"{label} (run {n})", warnings=(*warned, several))
             record = replace(record, name=f"{name} (run {n})")
         read.append(record)
     return tuple(read)
@@ -126,18 +128,6 @@ def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str
         "sha256": sha256(path),
         "mapping": None if file is None else {"file": str(file), "sha256": sha256(file)},
     }
-
-
-@contextmanager
-def _collected_warnings(name: str) -> Iterator[list[Finding]]:
-    """Collect the warnings of readers about a record, once each, without its name, when the block ends."""
-    warned: list[Finding] = []
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", RecordWarning)
-        yield warned
-    for one in (w.message for w in caught if isinstance(w.message, RecordWarning)):
-        if one.finding not in warned:
-            warned.append(one.finding)
 
 
 def require_different(records: Sequence[Record]) -> None:

@@ -28,8 +28,8 @@ from .guess import BY_UNIT, Guesses, first_of, is_loop
 from .headings import unit_of
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
-from .table import RawChannel, Table
-from .units import DIMENSIONS, UNITS, UnitError, unit_for
+from .table import Table
+from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
 
 _BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
@@ -108,7 +108,7 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untime
             f"{guesses.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
         )
     factor = rule.sign * rule.scale
-    factor *= _unit(guesses, raw, rule.unit or unit_of(raw), rule.coordinate.key(quantity))
+    factor *= _unit(guesses, index, rule.unit or unit_of(raw), rule.coordinate.key(quantity))
     pick = Pick(
         *(quantity, index, raw.name, factor),
         correction=rule.correction,
@@ -121,7 +121,7 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untime
     if time == index:
         raise RecordError(f"{guesses.path}: channel {raw.name!r} cannot be its own time")
     if time is not None:
-        seconds = _unit(guesses, guesses.channels[time], guesses.unit_of_time(time), "time")
+        seconds = _unit(guesses, time, guesses.unit_of_time(time), "time")
         return replace(pick, time=time, time_factor=seconds)
     if raw.fault:
         raise RecordError(f"{guesses.path}: {raw.fault}")
@@ -129,10 +129,10 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untime
         return replace(pick, rate_hz=raw.rate_hz, start=raw.start)
     if untimed and not (rule.correction and rule.correction.of_time):
         return pick
-    raise RecordError(
-        f"{guesses.path}: channel {raw.name!r} has no times: no channel is called time or t, and the file gives "
-        f"no sampling rate; say sample_rate_hz in {guesses.where}"
+    rate = (
+        "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
     )
+    raise _asked(guesses, rate, f"Channel {shortened(raw.name)} needs it: say sample_rate_hz")
 
 
 def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
@@ -161,18 +161,27 @@ def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
             yield Finding("against the ground", of | where)
 
 
-def _unit(guesses: Guesses, raw: RawChannel, text: str | None, quantity: str) -> float:
-    """Return SI units per unit of the channel."""
-    channel = f"{guesses.path}: channel {shortened(raw.name)}"
-    key = "time" if quantity == "time" else f"channels.{quantity}"
-    si = next((u.name for u in UNITS if u.dimension == DIMENSIONS[quantity]), "s")
-    stated = f"say unit: {si}, or as recorded, at {key} in {guesses.where}"
-    if text is None:
-        raise RecordError(f"{channel} has no unit: {stated}")
+def _unit(guesses: Guesses, i: int, text: str | None, quantity: str) -> float:
+    """Return SI units per unit of a column."""
+    what, say = f"in which unit is {guesses.names[i]}?", "Say"
     try:
-        return unit_for(text, quantity).factor
+        if text:
+            return unit_for(text, quantity).factor
     except UnitError as error:
-        raise RecordError(f"{channel}: {error}; if the file is wrong: {stated}") from None
+        what = f"channel {shortened(guesses.channels[i].name)}: {error}."
+        if find_other(text or "") == VOLTAGE:
+            what = f"what is the scale of {guesses.names[i]}, which is in {text}?"
+        say = "If the file is wrong, say"
+    key = "time" if quantity == "time" else f"channels.{quantity}"
+    raise _asked(guesses, what, f"{say} unit: {SI[DIMENSIONS[quantity]]}, or as recorded, at {key}")
+
+
+def _asked(guesses: Guesses, what: str, remedy: str) -> RecordError:
+    """Return the error for a channel that something must be said of, with the mapping to write, or the remedy in the
+    one that there is."""
+    if guesses.mapping.channels:
+        return RecordError(f"{guesses.path}: {what} {remedy} in {guesses.where}")
+    return unclear(guesses, what)
 
 
 def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:

@@ -113,12 +113,18 @@ def slope(values: Array, other: Array, dt: float, order: int = 1) -> float | Non
     return common / own if alike else None
 
 
-def same_motion(values: Array, other: Array) -> bool:
-    """Return whether two columns move in proportion."""
+def _together(values: Array, other: Array) -> tuple[Array, Array] | None:
+    """Return the samples that both columns have; None where they are few, or one column does not move."""
     both = np.isfinite(values) & np.isfinite(other) if values.size == other.size else np.zeros(0)
     if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
-        return False
-    return bool(abs(np.corrcoef(values[both], other[both])[0, 1]) > _ALIKE)
+        return None
+    return values[both], other[both]
+
+
+def same_motion(values: Array, other: Array) -> bool:
+    """Return whether two columns move in proportion."""
+    both = _together(values, other)
+    return both is not None and bool(abs(np.corrcoef(*both)[0, 1]) > _ALIKE)
 
 
 def along(values: Array, axes: Sequence[Array]) -> float:
@@ -147,10 +153,9 @@ def may_drive(values: Array, response: Array) -> bool:
 
 def is_arc(values: Array, other: Array) -> bool:
     """Return whether a column is the height of a bob whose other coordinate is given: a parabola over it, no line."""
-    if values.size != other.size or values.size < _ENOUGH:
+    if (both := _together(values, other)) is None:
         return False
-    both = np.isfinite(values) & np.isfinite(other)
-    y, x = values[both], other[both] - np.mean(other[both])
+    y, x = both[0], both[1] - both[1].mean()
     left = [float(np.var(y - np.polyval(np.polyfit(x, y, n), x))) for n in (1, 2)]
     whole = float(np.var(y))
     return left[1] < (1.0 - _ARC) * whole and left[0] > 0.5 * whole
@@ -158,11 +163,9 @@ def is_arc(values: Array, other: Array) -> bool:
 
 def go_round(values: Array, other: Array) -> bool:
     """Return whether two columns go round their middle in each period."""
-    both = np.isfinite(values) & np.isfinite(other) if values.size == other.size else np.zeros(0)
-    if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
+    if (both := _together(values, other)) is None:
         return False
-    middled = (of[both] - 0.5 * (of[both].max() + of[both].min()) for of in (values, other))
-    x, y = (2.0 * of / np.ptp(of) for of in middled)
+    x, y = ((2.0 * of - of.max() - of.min()) / np.ptp(of) for of in both)
     outside = np.hypot(x, y) > _OUTSIDE
     angle = np.unwrap(np.arctan2(y[outside], x[outside]))
     turns = abs(float(angle[0] - angle[-1])) / (2.0 * math.pi)

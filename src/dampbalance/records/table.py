@@ -69,8 +69,7 @@ class Table:
 
     channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
     an empty cell; None where each channel does.   place : where a sample, counted from 0, stands in the file.
-    oddity : code of what is odd about the file, warned of when it is read; "" for nothing.
-    what : the format, for messages.
+    what : the format, for messages.   odd : what is odd about the file, warned of wherever it is read.
     loaded : channels loaded already.
     """
 
@@ -78,15 +77,13 @@ class Table:
     channels: Sequence[RawChannel]
     load: Callable[[Sequence[int]], Sequence[ArrayLike]] | None = None
     place: Callable[[int], str] = lambda sample: f"sample {sample + 1}"
-    oddity: str = ""
     what: str = "arrays"
+    odd: list[Finding] = field(default_factory=list)
     loaded: dict[int, Array] = field(default_factory=dict)
 
     def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
         """Return all samples of channels by their numbers. Raises RecordError for a damaged file and for what is no
         number; warns of what is odd about the file."""
-        if self.oddity:
-            warnings.warn(RecordWarning(self.path, Finding(self.oddity)), stacklevel=2)
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
             load = self.load or (lambda wanted: [self.channels[i].load() for i in wanted])
@@ -96,6 +93,8 @@ class Table:
                 except ValueError as error:
                     column = f"{self.path}: column {shortened(self.channels[i].label)}"
                     raise RecordError(f"{column} holds {error}") from None
+        for odd in self.odd:
+            warnings.warn(RecordWarning(self.path, odd), stacklevel=2)
         return {i: self.loaded[i] for i in wanted}
 
     def part(self, columns: Sequence[int]) -> Table:
@@ -106,7 +105,7 @@ class Table:
             held = self.columns([columns[i] for i in wanted])
             return [held[columns[i]] for i in wanted]
 
-        return replace(self, channels=channels, load=load, oddity="", loaded={})
+        return replace(self, channels=channels, load=load, loaded={})
 
 
 @contextmanager

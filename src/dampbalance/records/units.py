@@ -229,19 +229,14 @@ DIMENSIONS = {q: _dimension(unit) for q, unit in (QUANTITIES | {"time": "s"}).it
 DIMENSIONS |= {q: _dimension(ROTATION.unit(QUANTITIES[of])) for q, of in ROTATING.items()}
 """Dimension of what a channel may hold."""
 
-SI = {**QUANTITIES, "base_velocity": "m/s", "frequency": "Hz", "phase": "rad"} | {
-    **{"receptance": "m/N", "mobility": "m/s/N", "accelerance": "m/s²/N"}
-}
-"""SI unit of what a column may hold, of a translation."""
+SI = {of.dimension: of.name for of in reversed(UNITS)}
+"""SI unit of each dimension, which stands first in the table."""
 
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
-TABLE_DIMENSIONS = {
-    **{"frequency": "frequency", "force": "force"},
-    **{f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE},
-    **{q: DIMENSIONS[q] for q in ABSOLUTE},
-    **PER_FORCE,
-    **{"phase": "angle", "level": ""},
-}
+TABLE_DRIVES = {"force": "force"} | {f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE}
+TABLE_RESPONSES = {q: DIMENSIONS[q] for q in ABSOLUTE} | PER_FORCE
+TABLE_DIMENSIONS = {"frequency": "frequency"} | TABLE_DRIVES | TABLE_RESPONSES
+TABLE_DIMENSIONS |= {"phase": "angle", "level": ""}
 """Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
 the motion per force; a level is a number without one."""
 

@@ -11,7 +11,9 @@ from pathlib import Path
 
 from ... import arguments
 from ..channel import QUANTITIES
-from ..draft import suggested_mapping
+from ..draft import draft, unclear
+from ..errors import RecordError
+from ..guess import Guesses
 from ..mapping import MappingLike, RecordMapping, mapping_for, parts_of
 from ..recognise import picks_of, recognise
 from ..record import Record
@@ -71,7 +73,12 @@ def mapping_to_start_from(
     Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
     """
     path, rules = _named(path, mapping)
-    return suggested_mapping(table(path, rules), rules, stepped)
+    if rules.channels or rules.table:
+        raise RecordError(f"{rules.source} names the channels of {path} already")
+    guesses = Guesses(table(path, rules), rules, stepped=stepped)
+    if not (lines := [*draft(guesses)]):
+        raise unclear(guesses, "finds no column that may be a motion or a force.")
+    return "\n".join([*lines, ""])
 
 
 def _named(path: str | Path, mapping: MappingLike) -> tuple[Path, RecordMapping]:

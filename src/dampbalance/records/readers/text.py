@@ -8,7 +8,6 @@ import codecs
 import csv
 import itertools
 import re
-import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -21,7 +20,7 @@ import numpy as np
 from ...arrays import Array
 from ...findings.finding import Finding
 from ...project.wording import shortened
-from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError, RecordWarning
+from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError
 from ..headings import key_of, names_time
 from ..mapping import RecordMapping
 from ..table import LONGEST_TAIL, RATE_NAMES, STEP_NAMES, RawChannel, Table
@@ -258,6 +257,7 @@ class _Layout:
     """Layout of a delimited text: delimiter, decimal mark, mark of comments, lines of the header.
 
     opened : gives the text.   line : what its lines are called.   left : empty cells before each row.
+    odd : takes what is odd about its rows.
     """
 
     path: Path
@@ -269,6 +269,7 @@ class _Layout:
     header_lines: int
     left: int
     channels: Sequence[RawChannel]
+    odd: list[Finding]
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
         """Yield the line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
@@ -324,8 +325,7 @@ class _Layout:
         else:
             if 0 < len(faults) <= LONGEST_TAIL and (ends := faults[0][0]):
                 lines = {"rows": self.line, "first": faults[0][1], "last": faults[-1][1]}
-                said = Finding("text after numbers", lines | {"many": len(faults) > 1})
-                warnings.warn(RecordWarning(self.path, said), stacklevel=2)
+                self.odd.append(Finding("text after numbers", lines | {"many": len(faults) > 1}))
                 return ends
         if faults:
             raise RecordError(f"{self.path}: {self.line} {faults[0][1]}{faults[0][2]}")
@@ -356,7 +356,9 @@ def text_file(path: Path, mapping: RecordMapping) -> Table:
         file.seek(max(0, path.stat().st_size - 4))
         ended = file.read().replace(b"\x00", b"").endswith((b"\n", b"\r"))
     opened = partial(open, path, encoding=_encoding(path), errors="replace")
-    return replace(text_table(path, opened, mapping), oddity="no line end" * (not ended))
+    table = text_table(path, opened, mapping)
+    table.odd.extend([Finding("no line end")] * (not ended))
+    return table
 
 
 def text_table(
@@ -405,5 +407,7 @@ def text_table(
     for i, cell in enumerate(rows[0]):
         if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
             channels[i] = replace(channels[i], unit="s", stamps=True)
-    layout = _Layout(*(path, opened, line, delimiter, decimal, comment, header, left, channels))
-    return Table(path, channels, layout.load, layout.place)
+    table = Table(path, channels)
+    of = line, delimiter, decimal, comment, header, left, channels, table.odd
+    layout = _Layout(path, opened, *of)
+    return replace(table, load=layout.load, place=layout.place)
