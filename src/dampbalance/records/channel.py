@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats, one_of, text
 from ..arrays import Array, Complexes, Mask
-from .clock import HALF_A_STEP, uneven
 from .coordinate import ROTATION, TRANSLATION, Coordinate
+from .equal_steps import HALF_A_STEP, uneven
 from .errors import LARGEST_VALUE, LATEST, RecordError
 
 EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}

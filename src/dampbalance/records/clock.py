@@ -23,14 +23,8 @@ import numpy as np
 
 from ..arrays import Array, Integers, Mask
 from ..findings.finding import Finding
+from .equal_steps import GRID_TOLERANCE, HALF_A_STEP, uneven
 from .errors import HIGHEST_RATE, LOWEST_RATE, RecordError
-
-GRID_TOLERANCE = 0.05
-"""Part of a step by which a time stamp may be off the uniform grid: room for times written with few digits, while a
-missing or doubled sample (one whole step) is still found."""
-
-HALF_A_STEP = 0.5
-"""Part of a step from which on a sample is in another one's place."""
 
 _GAP = 1.5  # usual intervals, from which on samples are missing
 _MOST, _WIDEST = (
@@ -99,18 +93,6 @@ class Clock:
         samples = CubicSpline(number, values)(at.clip(number[0], number[-1]))
         samples[number[whole].astype(np.intp)] = values[whole]
         return samples, missing if missing.any() else None
-
-
-def uneven(t: Array, jitter: float) -> str:
-    """Say where times, s, (n,), are not in equal steps; "" where they are.   jitter : by how much of a step a time may
-    be off."""
-    steps = np.diff(t)
-    step, off = float(np.median(steps)), np.abs(t - np.linspace(t[0], t[-1], t.size))
-    if steps.min() > 0.0 and off.max() <= jitter * step:
-        return ""
-    i = int(np.argmin(steps) if steps.min() <= 0.0 else np.argmax(np.abs(steps - step)))
-    between = f"from sample {i} to {i + 1} ({t[i]:.12g} s, {t[i + 1]:.12g} s)"
-    return f"is not in equal steps: {steps[i]:.6g} s {between}, others {step:.6g} s"
 
 
 def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int], str]) -> Clock:

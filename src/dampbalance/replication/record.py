@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import floats
 from ..arrays import Array
-from ..records.clock import GRID_TOLERANCE, uneven
+from ..records.equal_steps import GRID_TOLERANCE, uneven
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -38,8 +38,8 @@ from ..records.channel import (
     Channel,
     Correction,
 )
-from ..records.clock import GRID_TOLERANCE
 from ..records.coordinate import TRANSLATION
+from ..records.equal_steps import GRID_TOLERANCE
 from ..records.record import Record
 from . import checks
 from .checks import ROUNDING, weighted_mean
