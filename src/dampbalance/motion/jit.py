@@ -24,7 +24,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 _PACKAGE = Path(__file__).parents[1]
 _OTHERS = (
-    *("arguments", "arrays", "model", "fit/climb", "records/clock"),
+    *("arguments", "arrays", "model", "fit/climb", "records/equal_steps"),
     *(f"replication/{name}" for name in ("fixed_step", "record", "sampled")),
 )
 _LOCK = threading.RLock()
