@@ -361,12 +361,10 @@ class Guesses:
         self._ask(found, rest, drives)
 
     def _ask_of_loop(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
-        """Ask which of two columns that nothing names, and that have no times, is the force if they go round: which way
-        they do follows from its sign as well."""
-        read = any(of.quantity for of in found.values())
-        if read or self.times or self.mapping.free or len(unnamed) != 2:
-            return
-        if samples.go_round(*(self.values[i] for i in unnamed)):
+        """Ask which of two unnamed columns that go round is the force: its sign decides which way they do."""
+        known = self.times or self.mapping.free or any(of.quantity for of in found.values())
+        pair = [self.values[i] for i in unnamed] if len(unnamed) == 2 and not known else []
+        if pair and samples.go_round(*pair):
             found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=_OF_LOOP))
 
     def _ask(
