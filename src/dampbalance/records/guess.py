@@ -363,8 +363,7 @@ class Guesses:
     def _ask_of_loop(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
         """Ask which of two unnamed columns that go round is the force: its sign decides which way they do."""
         known = self.times or self.mapping.free or any(of.quantity for of in found.values())
-        pair = [self.values[i] for i in unnamed] if len(unnamed) == 2 and not known else []
-        if pair and samples.go_round(*pair):
+        if len(unnamed) == 2 and not known and samples.go_round(*(self.values[i] for i in unnamed)):
             found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=_OF_LOOP))
 
     def _ask(
