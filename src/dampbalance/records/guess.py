@@ -391,11 +391,9 @@ class Guesses:
         )
 
     def _ask_of_loop(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
-        """Ask which of two columns that nothing names, and that have no times, is the force if they go round: which way
-        they do follows from its sign as well."""
+        """Ask which of two unnamed columns that go round is the force: its sign decides which way they do."""
         known = self.times or self.mapping.sample_rate_hz or self.mapping.free
-        read = any(of.quantity for of in found.values())
-        if read or known or len(unnamed) != 2:
+        if known or len(unnamed) != 2 or any(of.quantity for of in found.values()):
             return
         if samples.go_round(*(self.values[i] for i in unnamed)):
             found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=_OF_LOOP))
