@@ -192,6 +192,13 @@ def test_a_motion_that_contradicts_another_is_asked_for(name, values):
         read_records({"time_s": T, name: values, "displacement (mm)": 1e3 * X})
 
 
+def test_the_acceleration_of_a_table_is_not_that_of_the_mass():
+    """In a steady motion that nothing names the drive of."""
+    x, table = np.sin(9.0 * T), np.sin(9.0 * T + 1.5)
+    with pytest.raises(RecordError, match="does the column 'acceleration"):
+        read_records({"time_s": T, "acceleration (m/s²)": table, "displacement (m)": x})
+
+
 def test_readings_of_one_velocity_are_one(tmp_path):
     """As of a damper with three estimates of its velocity: the loops of force and displacement."""
     x, v = np.sin(9.0 * T), 9.0 * np.cos(9.0 * T)

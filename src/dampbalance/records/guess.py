@@ -364,7 +364,7 @@ class Guesses:
         if any(level[i] for i in chosen) and len(live) > 1:
             sure = self._are_one(found, chosen) if len(chosen) > 1 else known
             unsure = [] if sure and not unsure else chosen
-        if dies and not drives:
+        if not drives:
             unsure = [*unsure, *self._scaled(found, chosen)]
         self._ask(found, unsure, drives)
         chosen = [i for i in chosen if i not in unsure]
