@@ -22,10 +22,11 @@ from ..project.wording import listed, shortened, visible
 from ..records.channel import ABSOLUTE, Channel
 from ..records.draft import unclear
 from ..records.errors import RecordError
-from ..records.guess import Guesses, is_table_of_lines
+from ..records.guess import Guesses
 from ..records.headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
 from ..records.mapping import ChannelRule, RecordMapping
 from ..records.record import Record
+from ..records.stepped_tables import is_table_of_lines
 from ..records.table import Table
 from ..records.units import (
     PER_FORCE,

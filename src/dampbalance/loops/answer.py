@@ -168,6 +168,8 @@ class LoopBasis:
                 friction = without_quadratic - c * b
             samples = np.bincount(loop.cycle[loop.own])
             for own in levels_of(loop.amplitudes):
+                if own.size > 1 and loop.first == 1:  # the first cycle begins on the virgin curve
+                    own = own[own > 0]
                 duration = float(np.median(samples[own]) * (loop.t[1] - loop.t[0]))
                 omega = 2.0 * math.pi / duration if loop.timed else math.nan
                 X, W, of_friction = (

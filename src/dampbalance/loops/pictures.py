@@ -85,7 +85,7 @@ def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Co
                 axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
         axes.margins(0.06)
         axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
-        axes.set(xlim=(0.0, None), ylim=(0.0, None))
+        axes.set(xlim=(0.0, None), ylim=(0.0, 1.08 * axes.dataLim.ymax))
         axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
     return explained(figure, [(axes, axes)], scale=1.0)
 

@@ -15,6 +15,7 @@ from .errors import RecordError
 from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses, is_loop
 from .headings import STANDARD_ERROR, of_level, unit_of
 from .mapping import BLANK
+from .stepped_tables import is_response
 from .units import DIMENSIONS, PER_FORCE, SI, TABLE_DIMENSIONS, find_motion, find_other, find_unit
 
 # words that YAML takes for others
@@ -27,7 +28,7 @@ _KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes 
 def unclear(of: Guesses, what: str) -> RecordError:
     """Return the error for a file that something must be said of: what it is, and the mapping to write."""
     if of.stepped:
-        what = f"{RESPONSE} ({what})" if of.is_response() else what
+        what = f"{RESPONSE} ({what})" if is_response(of) else what
         what += f"; a table has a frequency, a drive, a response and a phase. Its columns are {of.overview}."
     shown = [] if what.startswith(RESPONSE) else [*draft(of)]
     here = "" if of.mapping.source else " (--write-mapping writes it)"

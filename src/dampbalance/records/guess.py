@@ -47,13 +47,12 @@ from .headings import (
     words_of,
 )
 from .mapping import ChannelRule, RecordMapping, Which
+from .stepped_tables import is_response, is_table_of_lines, slot
 from .table import Table
 from .units import (
     DIMENSIONS,
     PER_FORCE,
     TABLE_DIMENSIONS,
-    TABLE_DRIVES,
-    TABLE_RESPONSES,
     UNITS,
     find_motion,
     find_other,
@@ -68,7 +67,6 @@ ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
 RIGHT_ANGLE = 1.6  # rad: what goes farther may be in degrees as well
 _STEPS, _LONGEST = (5e-6, 0.2), 3600.0  # s, of times without a unit; their span
 _SAME = 0.05  # relative: of gravity or of a slope, which tell a unit
-_KILOHERTZ, _HALF_TURN = 1000.0, 181.0  # what a frequency response goes up to, and its phase, deg
 _BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its unit"
 _BY_NOTHING = "neither name nor unit says what it is"
 _LEVELS = (_BY_NAME, _BY_A_WORD, BY_UNIT, _BY_NOTHING)
@@ -537,7 +535,7 @@ class Guesses:
         """Return the guesses for the columns of a table of steady responses: named, or asked for where a table lacks
         something that their units allow."""
         named = [column_of(raw) or "" for raw in self.channels]
-        held = {*map(_slot, named)} | ({"drive"} if self.per_force else set())
+        held = {*map(slot, named)} | ({"drive"} if self.per_force else set())
         complete = {"frequency", "drive", "response", "phase"} <= held
         found: dict[int, Guess] = {}
         for i, (raw, name) in enumerate(zip(self.channels, named, strict=True)):
@@ -547,7 +545,7 @@ class Guesses:
             fits = (
                 q for q, of in TABLE_DIMENSIONS.items() if (unit.dimension == of if unit else of)
             )
-            may = tuple(q for q in fits if _slot(q) not in held)
+            may = tuple(q for q in fits if slot(q) not in held)
             if name or complete or why or not may:
                 found[i] = Guess(name, _BY_NAME if name else why or _BY_NOTHING, raw.unit or "")
             else:
@@ -574,7 +572,7 @@ class Guesses:
         """Yield what is to be said of the file before it can be read, the first thing first."""
         held = {of.quantity: i for i, of in self.all.items() if of.quantity}
         asked = [i for i, of in self.all.items() if of.may]
-        if self.is_response():
+        if is_response(self):
             yield RESPONSE
         if not held.keys() & {*RESPONSES} and not asked:
             yield f"finds no response: name one of {', '.join(ABSOLUTE)}; its columns are {self.overview}."
@@ -589,30 +587,6 @@ class Guesses:
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
             yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
 
-    def is_response(self) -> bool:
-        """Return whether the columns are a frequency response: no times, but frequencies, and phases, and no drive."""
-        named = [column_of(raw) for raw in self.channels]
-        driven = TABLE_DRIVES.keys() & {*named} or "force" in map(by_unit, self.channels)
-        if driven or self.mapping.force_N or any(map(names_time, self.channels)):
-            return False
-        frequency = phase = False
-        for i, of in self.values.items():
-            of = of[np.isfinite(of)]
-            even = samples.equal_step(of) is not None
-            if even or not self.per_force:  # or else a stepped sine at a force to be stated
-                rises = even and self.channels[i].unit is None and len(named) > 2
-                frequency |= named[i] == "frequency" or (rises and of[-1] >= _KILOHERTZ)
-            turns = of.size and np.abs(of).max() <= _HALF_TURN and np.ptp(of) > 0.5 * _HALF_TURN
-            phase |= named[i] == "phase" or bool(turns and not even)
-        return frequency and phase
-
-
-def _slot(quantity: str) -> str:
-    """Return what a table has one of: one drive, one response."""
-    if quantity in TABLE_DRIVES:
-        return "drive"
-    return "response" if quantity in TABLE_RESPONSES else quantity
-
 
 def _near(factor: float, dimension: str) -> str:
     """Return the one unit of a dimension with about this factor; "" for none, or several."""
@@ -620,12 +594,3 @@ def _near(factor: float, dimension: str) -> str:
         u.name for u in UNITS if u.dimension == dimension and abs(factor / u.factor - 1.0) < _SAME
     ]
     return near[0] if len(near) == 1 else ""
-
-
-def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
-    """Return whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and
-    none of times."""
-    if rules.table or rules.channels:
-        return bool(rules.table)
-    held = {column_of(raw) for raw in file.channels}
-    return {"frequency", "phase"} <= held and not any(map(names_time, file.channels))

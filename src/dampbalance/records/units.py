@@ -102,6 +102,9 @@ def split_label(label: str) -> tuple[str, str | None]:
         return label, None
     if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
         return match[1].rstrip(" /,;:"), match[2] or None
+    match = re.fullmatch(r"(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]\s*(\S.*)", label)
+    if match and find_unit(match[2]):  # Position (m) Run #1
+        return f"{match[1]} {match[3]}", match[2]
     match = re.fullmatch(r"(.+?)\s*(?:[/,;:]|\bin\b(?=\s))\s*(\S.*)", label)
     if match and (find_unit(match[2]) or find_other(match[2])):
         return match[1].strip(), match[2].strip()
