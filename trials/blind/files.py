@@ -278,7 +278,6 @@ for _word, _unit, _scale in (
     ("weg", "mm", 1e3),
     ("theta", "rad", 1.0),
     ("angle", "", 1.0),
-    ("roll", "", _DEG),
     ("pitch", "deg", _DEG),
 ):
     _columns(
@@ -287,8 +286,17 @@ for _word, _unit, _scale in (
             "time (s)": m.t,
             f"{word} ({unit})" if unit else word: scale * m.x,
         },
-        pendulum=_word in ("theta", "angle", "roll", "pitch"),
+        pendulum=_word in ("theta", "angle", "pitch"),
     )
+
+
+@shape
+def word_roll(random: Random) -> File:
+    m = decay(random, pendulum=True)  # an angle of some degrees: in rad it would be large
+    file = of_decay(m, {"time (s)": m.t, "roll": _DEG * m.x})
+    return asking(file, ("in which unit", "roll"), csv({"time (s)": m.t, "roll (deg)": _DEG * m.x}))
+
+
 _columns("Vernier", lambda m, _: {"Data Set 1:Time(s)": m.t, "Data Set 1:Position(m)": m.x})
 _columns(
     "Logger Pro",

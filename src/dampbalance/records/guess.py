@@ -61,6 +61,7 @@ from .units import (
 
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
+_OF_SENSOR = ("a", "gf")  # before the axes of an accelerometer: ax, gFx
 _ROUNDING = 1e-3  # relative, of the absolute value of three axes
 _TRIED = 20  # columns that are read one by one where some column holds a text
 ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
@@ -235,6 +236,7 @@ class Guesses:
         for (before, behind, unit), group in groups.items():
             own, held = [*group.values()], [self.values[i] for i in group.values()]
             named = by_unit(self.channels[own[0]]) or quantity_of(self.channels[own[0]])
+            named = named or "acceleration" * (len(own) == 3 and before in _OF_SENSOR)
             if not named or len(own) < 2 or not all(of.size for of in held):
                 continue
             spread = [float(np.nanstd(of)) for of in held]
@@ -244,14 +246,11 @@ class Guesses:
             other = f"an axis that moves less than {shortened(self.channels[own[most]].name)}"
             found |= dict.fromkeys(own, Guess("", other))
             raw = self.channels[own[most]]
-            quantity, along = (
-                by_unit(raw) or quantity_of(raw) or "",
-                samples.along(held[most], held),
-            )
-            found[own[most]] = Guess(quantity, _BY_NAME)
+            along = samples.along(held[most], held)
+            found[own[most]] = Guess(named, _BY_NAME)
             if along > 1.0 + _SAME:
                 oblique = f"the motion is {along:.3g} times as large, along no axis: say scale: {along:.3g}"
-                found[own[most]] = Guess("", oblique, may=(quantity,))
+                found[own[most]] = Guess("", oblique, may=(named,))
             total = np.sqrt(np.sum(np.square(held), axis=0))
             for i, raw in enumerate(self.channels):
                 of = self.values[i] if raw.unit == unit and i not in own else np.empty(0)

@@ -87,9 +87,11 @@ _TIME = re.compile(
     r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
     r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?)(_?(stamps?|axis|value|achse|\d+))?"
 )
-_SECONDS = re.compile(
-    r"x_values?|(elapsed_)?seconds?(_elapsed)?|sekunden?"
-)  # LabVIEW and oscilloscopes
+_COUNTED_IN = {  # unit of times → names that imply it: of LabVIEW, oscilloscopes, microcontrollers
+    "s": re.compile(r"x_values?|(elapsed_)?seconds?(_elapsed)?|sekunden?"),
+    "ms": re.compile(r"millis|milliseconds?"),
+    "µs": re.compile(r"micros|microseconds?"),
+}
 _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
@@ -132,7 +134,7 @@ def names_time(raw: RawChannel) -> bool:
     key, unit = key_of(raw.name), find_unit(raw.unit or "")
     other = find_other(raw.unit or "") or (unit and unit.dimension != "time")
     return raw.stamps or (
-        not other and any(p.fullmatch(key) for p in (_TIME, _SECONDS, _NAMED_TIME))
+        not other and any(p.fullmatch(key) for p in (_TIME, _NAMED_TIME, *_COUNTED_IN.values()))
     )
 
 
@@ -152,10 +154,9 @@ def unit_of(raw: RawChannel, *, table: bool = False) -> str | None:
 
     table : whether it is a column of a table of steady responses, whose ω is a frequency in rad/s.
     """
-    if raw.unit or not _SECONDS.fullmatch(key_of(raw.name)):
-        omega = table and {*words_of(raw.name)} & {"omega", "ω"}
-        return raw.unit or ("rad/s" if omega else None)
-    return "s"
+    key, omega = key_of(raw.name), table and {*words_of(raw.name)} & {"omega", "ω"}
+    implied = "rad/s" if omega else None
+    return raw.unit or next((s for s, of in _COUNTED_IN.items() if of.fullmatch(key)), implied)
 
 
 def unusable(raw: RawChannel) -> str | None:
