@@ -464,7 +464,10 @@ def _answer(
     if not slips(fit):
         shape = shape or [Finding("loops stick")]
     elif not design.timed:
-        notes.append(Finding("no times"))
+        # an ellipse of one size is that of a damper as well as of a contact that yields gradually
+        sizes = len(levels_of(np.concatenate([loop.amplitudes for loop in loops])))
+        alone = name == "gradual" and sizes == 1
+        notes.append(Finding("no times", {"alone": alone}, {"": math.inf} if alone else {}))
     elif c < -_CERTAIN * c_error:
         notes.append(Finding("negative damping", {"c": (c, c_error)}))
     elif not design.with_c:

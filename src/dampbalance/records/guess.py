@@ -518,7 +518,8 @@ class Guesses:
             own = [j for j in self.axes if self.channels[j].unit is None] if i in self.axes else [i]
             means = [float(np.nanmean(self.values[j])) for j in own]
             gravity = math.hypot(*means[:3])
-            if gravity and (unit := _near(_GRAVITY / gravity, "acceleration")):
+            unit = _near(_GRAVITY / gravity, "acceleration") if gravity else ""
+            if unit and (i in self.axes or unit != "g"):  # a sensor's offset may be about 1
                 said = Finding("unit by gravity", name | {"unit": unit, "size": gravity})
                 return replace(guess, unit=unit, said=said)
         return guess
