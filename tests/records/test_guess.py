@@ -73,9 +73,17 @@ DECAYS = {
         {"accel_x": 1e3 * A, "accel_y": 20.0 * NOISE[0], "accel_z": 9810.0 + 20.0 * NOISE[1]},
         {"acceleration": A},
     ),
-    "g by gravity": ({"acc": 1.0 + A / 9.80665}, {"acceleration": 9.80665 + A}),
+    "g by gravity": (
+        {"ax": A / 9.80665, "ay": 0.002 * NOISE[0], "az": 1.0 + 0.002 * NOISE[1]},
+        {"acceleration": A},
+    ),
     "m/s² by gravity": ({"Acc Z": 9.78 + A}, {"acceleration": 9.78 + A}),
 }  # fmt: skip
+
+
+def test_an_offset_of_about_one_of_a_single_axis_is_no_gravity():
+    with pytest.raises(RecordError, match="in which unit is 'acc'"):
+        read_records({"time (s)": T, "acc": 1.0 + A})
 
 
 @pytest.mark.parametrize("name", DECAYS)
