@@ -7,16 +7,18 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.fit.climb import ClimbBounds, climb
+from dampbalance.fit.climb import climb
+from dampbalance.fit.parameters import Parameter, Parameters
 
 H = np.array([[4.0, 1.0], [1.0, 2.0]])  # of a parabola
 J = np.linalg.cholesky(H).T
 
 
-def bounds(lower=-math.inf, upper=math.inf, free=True, scale=1.0, size=2):
-    """Bounds of the unknowns, each given for all or one by one."""
-    limits = (np.broadcast_to(part, size).astype(float) for part in (lower, upper, scale))
-    return ClimbBounds(np.broadcast_to(free, size).copy(), *limits)
+def start_at(values, low=-math.inf, high=math.inf, free=True, scale=1.0):
+    """A start with limits, each given for all parameters or one by one."""
+    columns = (np.broadcast_to(of, len(values)).tolist() for of in (low, high, free, scale))
+    rows = zip(map(float, values), *columns, strict=True)
+    return Parameters.of(Parameter(f"p{i}", *row) for i, row in enumerate(rows))
 
 
 def products_of(read):
@@ -46,7 +48,7 @@ def parabola(best, seen=None):
 @pytest.mark.parametrize("best", [(3.0, -2.0), (1.0, 5.0), (-4.0, 1.0), (1.0, 1.0)])
 def test_it_finds_the_least_value_of_a_parabola(best):
     # one unknown may be right from the start
-    end = climb(parabola(np.array(best)), np.ones(2), bounds())
+    end = climb(parabola(np.array(best)), start_at(np.ones(2)))
     # a full step gains less than 5e-8: within 3e-4 of a standard error, of which the larger is 0.8
     assert end.point == pytest.approx(best, abs=3e-4)
 
@@ -63,15 +65,15 @@ def test_it_finds_the_least_value_of_a_parabola(best):
     ids=["lower", "released", "upper"],
 )
 def test_limits_hold(best, start, lower, upper, expected):
-    limits = bounds((lower, -math.inf), (upper, math.inf))
-    end = climb(parabola(np.array(best)), np.array(start), limits)
+    start = start_at(start, (lower, -math.inf), (upper, math.inf))
+    end = climb(parabola(np.array(best)), start)
     assert end.point == pytest.approx(expected, abs=1e-4)
 
 
 def test_an_unknown_that_is_not_free_keeps_its_value_beyond_its_limits():
     start = np.array([0.0, 1.0])
-    limits = bounds((2.0, -math.inf), free=(False, True))
-    end = climb(parabola(np.array([1.0, 5.0])), start, limits)
+    at = start_at(start, (2.0, -math.inf), free=(False, True))
+    end = climb(parabola(np.array([1.0, 5.0])), at)
     assert end.point[0] == 0.0
     # H₁₁ (p₁ − 5) = −H₁₀ (0 − 1)
     assert end.point[1] == pytest.approx(5.5, abs=1e-4)
@@ -81,14 +83,14 @@ def test_an_unknown_that_is_not_free_keeps_its_value_beyond_its_limits():
 def test_a_positive_unknown_falls_to_a_fifth_in_a_step_and_one_that_may_be_zero_at_once():
     for least, lowest in ((1e-6, 0.2), (0.0, 0.0)):
         seen: list[np.ndarray] = []
-        limits = bounds((least, -math.inf), scale=1e-9)
-        climb(parabola(np.array([-50.0, 0.0]), seen), np.array([1.0, 12.0]), limits)
+        start = start_at((1.0, 12.0), (least, -math.inf), scale=1e-9)
+        climb(parabola(np.array([-50.0, 0.0]), seen), start)
         assert seen[1][0] == pytest.approx(lowest, abs=1e-12)
 
 
 def test_it_gives_chi_square_and_the_products_where_it_ended():
     best = np.array([3.0, -2.0])
-    end = climb(parabola(best), np.zeros(2), bounds(), most=1)
+    end = climb(parabola(best), start_at(np.zeros(2)), most=1)
     assert end.chi_square == pytest.approx(best @ H @ best)
     assert end.products[:-1, :-1] == pytest.approx(H)
     assert end.products[:-1, -1] == pytest.approx(-H @ best)
@@ -96,7 +98,7 @@ def test_it_gives_chi_square_and_the_products_where_it_ended():
 
 def test_columns_that_hardly_differ_are_told_apart():
     columns, best = np.array([[1.0, 1.0], [1.0, 1.001], [1.0, 0.999]]), np.array([0.5, 2.0])
-    end = climb(products_of(lambda p: (columns @ (p - best), columns)), np.zeros(2), bounds())
+    end = climb(products_of(lambda p: (columns @ (p - best), columns)), start_at(np.zeros(2)))
     # standard errors, by the columns' difference of 1e-3: 700
     assert end.point == pytest.approx(best, abs=3e-4 * 700.0)
 
@@ -112,11 +114,11 @@ def test_a_climb_ends_where_no_step_helps_and_after_so_many_evaluations():
         return np.array([-towards, rest]), np.array([[1.0], [0.0]])
 
     kink = products_of(read)
-    assert climb(kink, np.array([0.0]), bounds(size=1)).point[0] == 0.0
+    assert climb(kink, start_at(np.array([0.0]))).point[0] == 0.0
     assert len(made) < 30
     # from afar: the best point on the way, before the last of the evaluations
     made.clear()
-    end = climb(kink, np.array([9.0]), bounds(size=1), most=4)
+    end = climb(kink, start_at(np.array([9.0])), most=4)
     assert end.evaluations == 4
     assert len(made) == 4
     assert end.point[0] in made
@@ -128,14 +130,14 @@ def test_places_where_the_model_does_not_apply_are_stepped_back_from():
     def evaluate(p, out):
         return p[0] < 3.2 and p[1] > -2.5 and inner(p, out)
 
-    end = climb(evaluate, np.array([-9.0, 3.0]), bounds())
+    end = climb(evaluate, start_at(np.array([-9.0, 3.0])))
     assert end.point == pytest.approx([3.0, -2.0], abs=1e-4)
-    assert climb(evaluate, np.array([4.0, 0.0]), bounds()) is None
+    assert climb(evaluate, start_at(np.array([4.0, 0.0]))) is None
 
 
 def test_it_says_what_a_further_step_promises():
     best, start = np.array([3.0, -2.0]), np.zeros(2)
-    one = climb(parabola(best), start, bounds(), most=1)
+    one = climb(parabola(best), start_at(start), most=1)
     # of a parabola a full step gains all that there is
     assert one.promise == pytest.approx(0.5 * best @ H @ best)
-    assert climb(parabola(best), start, bounds()).promise < 5e-8
+    assert climb(parabola(best), start_at(start)).promise < 5e-8

@@ -15,7 +15,7 @@ from dampbalance.fit.score import Departure
 from dampbalance.identification.decay_laws import condition_of
 from dampbalance.identification.screen import limiting
 from dampbalance.joints.synthetic import stepped_sine
-from dampbalance.law.parallel_sliders import Sliders
+from dampbalance.law.contact import Sliders
 from dampbalance.records.coordinate import TRANSLATION
 from dampbalance.records.synthetic import measured_orbit
 from identification.levels import changed, measured

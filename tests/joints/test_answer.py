@@ -19,7 +19,7 @@ from dampbalance.joints import identify_joint
 from dampbalance.joints.answer import damping_at
 from dampbalance.joints.fit import fit_contact
 from dampbalance.joints.synthetic import stepped_sine
-from dampbalance.law.parallel_sliders import Sliders
+from dampbalance.law.contact import Sliders
 from folders import ROOT
 
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from dampbalance.joints.synthetic import stepped_sine
-from dampbalance.law.parallel_sliders import Sliders
+from dampbalance.law.contact import Sliders
 
 table = stepped_sine(
     {"m": 2.0, "c": 6.0, "k": 180_000.0},

@@ -26,6 +26,7 @@ import numpy as np
 
 from ..arrays import Array, Integers, Mask
 from ..motion.jit import jit
+from .parameters import Limits, Parameters
 
 MOST_EVALUATIONS = 30
 """Default limit on the evaluations of a climb: one to where the records are takes about ten."""
@@ -42,11 +43,7 @@ _SHRINK = 0.2
 
 
 class ClimbBounds(NamedTuple):
-    """Limits of a climb for the unknowns, (p,) each.
-
-    free : which of them move; the others keep their values.   lower, upper : least and greatest values; −∞ for one
-    that may be negative, a phase or a logarithm.   scale : size below which an unknown counts as zero.
-    """
+    """Limits of a climb; to be replaced by `Parameters`."""
 
     free: Mask
     lower: Array
@@ -54,18 +51,31 @@ class ClimbBounds(NamedTuple):
     scale: Array
 
 
+def as_parameters(start: Array, bounds: ClimbBounds) -> Parameters:
+    """Return parameters without names; to be replaced."""
+    none, p = ("",) * start.size, start.size
+    return Parameters(
+        none, none, start, bounds.lower, bounds.upper, bounds.free, bounds.scale, np.full(p, np.inf)
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class Climb:
-    """The point where a climb ended, (p,), the products there, and the number of evaluations.
+    """Where a climb ended, the products there, and the number of evaluations.
 
-    products : (p + 1, p + 1), JᵀJ bordered by Jᵀr, with χ² = rᵀr in the last corner.
+    parameters : where it ended.   products : (p + 1, p + 1), JᵀJ bordered by Jᵀr, with χ² = rᵀr in the last corner.
     promise : what a full step from there would gain in −log L, were the residuals linear: little at an optimum.
     """
 
-    point: Array
+    parameters: Parameters
     products: Array
     evaluations: int
     promise: float
+
+    @property
+    def point(self) -> Array:
+        """The values of the parameters, (p,)."""
+        return self.parameters.values
 
     @property
     def chi_square(self) -> float:
@@ -75,8 +85,7 @@ class Climb:
 
 def climb(
     evaluate: Callable[[Array, Array], bool],
-    start: Array,
-    bounds: ClimbBounds,
+    start: Parameters,
     *,
     gain: float = GAIN,
     most: int = MOST_EVALUATIONS,
@@ -87,14 +96,15 @@ def climb(
     gain : what a full step must promise in −log L for the climb to go on.
     most : evaluations after which the climb ends wherever it is.
     """
-    within = np.minimum(np.maximum(start, bounds.lower), bounds.upper)
-    point, trial = np.where(bounds.free, within, start), np.empty(start.size)
-    here, there = np.empty((2, start.size + 1, start.size + 1))
+    limits, first = start.limits, start.values
+    within = np.minimum(np.maximum(first, limits.low), limits.high)
+    point, trial = np.where(limits.free, within, first), np.empty(first.size)
+    here, there = np.empty((2, first.size + 1, first.size + 1))
     if not evaluate(point, here):
         return None
     damping, count = 1e-3, 1
     while True:
-        promise, size = _step(point, here, damping, bounds, trial)
+        promise, size = _step(point, here, damping, limits, trial)
         if count >= most or not promise >= gain or size < _RELATIVE:
             break
         count += 1
@@ -105,12 +115,12 @@ def climb(
             break
         else:
             damping = max(10.0 * damping, 1e-6)
-    return Climb(point, here, count, promise)
+    return Climb(start.at(point), here, count, promise)
 
 
 @jit
 def _step(
-    point: Array, products: Array, damping: float, bounds: ClimbBounds, trial: Array
+    point: Array, products: Array, damping: float, limits: Limits, trial: Array
 ) -> tuple[float, float]:
     """Return what a full step promises in −log L, and its largest change of an unknown relative to it; `trial` receives
     the point after a damped step."""
@@ -119,8 +129,8 @@ def _step(
     for j in range(p):
         trial[j] = point[j]
         falls, rises = products[j, p] >= 0.0, products[j, p] <= 0.0
-        held = (point[j] <= bounds.lower[j] and falls) or (point[j] >= bounds.upper[j] and rises)
-        if bounds.free[j] and not held and products[j, j] > 0.0:
+        held = (point[j] <= limits.low[j] and falls) or (point[j] >= limits.high[j] and rises)
+        if limits.free[j] and not held and products[j, j] > 0.0:
             moving[n] = j
             n += 1
     full = _damped(products, moving[:n], 0.0)
@@ -129,11 +139,11 @@ def _step(
     for i in range(n):
         j = moving[i]
         promise -= 0.5 * full[i] * products[j, p]
-        size = max(size, abs(full[i]) / max(abs(point[j]), bounds.scale[j]))
-        least = bounds.lower[j]
+        size = max(size, abs(full[i]) / max(abs(point[j]), limits.scale[j]))
+        least = limits.low[j]
         if least > 0.0:
             least = max(least, _SHRINK * point[j])
-        trial[j] = min(max(point[j] + damped[i], least), bounds.upper[j])
+        trial[j] = min(max(point[j] + damped[i], least), limits.high[j])
     return promise, size
 
 

@@ -36,8 +36,8 @@ from ..signals.thresholds import P_OF_THE_MODEL
 from ..signals.whiteness import chance_of_averages, chance_of_lines, excess_over_noise
 from ..solver import NORMAL_95
 from .climb import GAIN, MOST_EVALUATIONS, Climb, ClimbBounds
-from .fit import Fit
 from .minimise import climb_on, inverse_information
+from .oscillator_fit import NamedFit
 from .scattering_mean import ScatteringMean
 from .score import Departure, departures_from
 
@@ -375,7 +375,7 @@ class DecayProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class DecayFit(Fit):
+class DecayFit(NamedFit):
     """The oscillator whose free decays fit the samples of n decays best.
 
     minima : other minima of χ² that are nearly as good, and points along K_z that are (`search.profiled`).

@@ -39,7 +39,7 @@ from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95
-from .climb import climb
+from .climb import as_parameters, climb
 from .oscillator_fit import OscillatorFit
 from .starts import starts
 from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
@@ -323,7 +323,7 @@ def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
     # the correction is a few per cent, and falls by a factor of ten each time
     for _ in range(8):
         # a gain of 4 % of a standard error of the noise, and less of the scatter
-        reached = climb(products, point, bounds, gain=1e-3)
+        reached = climb(products, as_parameters(point, bounds), gain=1e-3)
         if reached is None:
             break
         point = reached.point.copy()

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .climb import GAIN, Climb, climb
+from .climb import GAIN, Climb, as_parameters, climb
 
 KEPT = 10
 """Distinct points that a search carries along."""
@@ -34,7 +34,7 @@ def climb_on(problem: Any, start: Array, held: Sequence[int] = (), **options: An
     """Return the end of a climb from a start on a problem.   held : unknowns that keep their values."""
     bounds = problem.bounds(start)
     bounds.free[[*held]] = False
-    return climb(problem.products, start, bounds, **options)
+    return climb(problem.products, as_parameters(start, bounds), **options)
 
 
 def distinct(ends: Iterable[Climb | None], names: int, above: float = _ABOVE) -> list[Climb]:

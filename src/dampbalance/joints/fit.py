@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..findings.finding import Finding
 from ..identification.law_comparison import as_good
-from ..law.parallel_sliders import Sliders, secant
+from ..law.contact import Sliders, secant
 from ..signals.one_thread import one_thread
 from .lines import (
     LESS,

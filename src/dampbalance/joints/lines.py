@@ -27,7 +27,7 @@ import numpy as np
 from scipy import optimize
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..law.parallel_sliders import secant
+from ..law.contact import secant
 from ..law.terms import FRICTION, term
 
 Contact = Literal["none", "one slider", "gradual"]

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..law.parallel_sliders import Sliders
+from ..law.contact import Sliders
 
 
 def stepped_sine(

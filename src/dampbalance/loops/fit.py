@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, Integers
-from ..law.parallel_sliders import Sliders
+from ..law.contact import Sliders
 from ..motion.play import play
 from ..signals.one_thread import one_thread
 from .cycles import Loop

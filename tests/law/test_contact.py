@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance.law.parallel_sliders import Sliders, secant
+from dampbalance.law.contact import Sliders, secant
 
 
 def play(x, r):
