@@ -74,15 +74,15 @@ def _moved(z: float, dx: float, r: float, n: float) -> float:
 @jit
 def _deflections(x: Array, through: Array, r: Array, g: float, n: float, top: Array) -> Array:
     """Return what `play` does.   top : r of each sample over r, (i,)."""
-    out = np.zeros((r.size, x.size))
-    for j in range(r.size):
-        z = 0.0
-        for i in range(1, x.size):
+    z, out = np.zeros(r.size), np.zeros((x.size, r.size))
+    for i in range(1, x.size):
+        for j in range(r.size):  # the innermost: one does not wait for the other
             limit = r[j] * top[i] + g
-            z = _moved(z, through[i - 1] - x[i - 1], limit, n)
-            z = _moved(z, x[i] - through[i - 1], limit, n)
-            out[j, i] = math.copysign(max(abs(z) - g, 0.0), z)
-    return out
+            z[j] = _moved(z[j], through[i - 1] - x[i - 1], limit, n)
+            if x[i] != through[i - 1]:
+                z[j] = _moved(z[j], x[i] - through[i - 1], limit, n)
+            out[i, j] = math.copysign(max(abs(z[j]) - g, 0.0), z[j])
+    return out.T
 
 
 def play(
