@@ -13,9 +13,16 @@ if TYPE_CHECKING:
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.decays import identify_decays
     from .identification.forced import friction_loops, identify_forced
+    from .identification.loops import (
+        friction_coefficient,
+        identify_loops,
+        loop_contact,
+        loop_history,
+        loop_sliders,
+    )
     from .identification.result import Result
     from .joints.answer import damping_at
-    from .measured import identify, identify_joint, identify_loops, read_records
+    from .measured import identify, identify_joint, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -53,12 +60,16 @@ __all__ = [
     "Trajectory",
     "Verdict",
     "damping_at",
+    "friction_coefficient",
     "friction_loops",
     "identify",
     "identify_decays",
     "identify_forced",
     "identify_joint",
     "identify_loops",
+    "loop_contact",
+    "loop_history",
+    "loop_sliders",
     "measured_orbit",
     "measured_ring_down",
     "read_records",
@@ -76,9 +87,13 @@ _MODULES = {
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.decays": ("identify_decays",),
     "identification.forced": ("friction_loops", "identify_forced"),
+    "identification.loops": (
+        *("friction_coefficient", "identify_loops"),
+        *("loop_contact", "loop_history", "loop_sliders"),
+    ),
     "identification.result": ("Result",),
     "joints.answer": ("damping_at",),
-    "measured": ("identify", "identify_joint", "identify_loops", "read_records"),
+    "measured": ("identify", "identify_joint", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

@@ -12,10 +12,10 @@ from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
 from .identification.loading import keeps_moving
+from .identification.loops import identify_loops
 from .identification.result import Result
 from .joints.answer import identify_joint as identify_joint
 from .joints.records import read_lines
-from .loops.answer import identify_loops as identify_loops
 from .project.options import AnyOptions, Stated, asked, with_options
 from .records.channel import ACCOMPANYING
 from .records.mapping import MappingLike

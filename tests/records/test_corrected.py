@@ -19,8 +19,8 @@ from dampbalance import (
 from dampbalance.records.channel import Channel
 from dampbalance.records.mapping import mapping_from
 from dampbalance.records.record import Record
+from fit.test_loops import SINE, T, loop
 from identification.levels import changed
-from loops.test_fit import SINE, T, loop
 from paper_case import LEVELS, OMEGA, PAPER
 
 GAIN, DELAY, CORNER = 1.25, 3e-3, 60.0

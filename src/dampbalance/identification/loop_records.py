@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..findings.finding import Finding
-from ..identification.loading import correction_of
 from ..project.wording import listed, visible
 from ..records.channel import ACCOMPANYING
 from ..records.record import Record
-from .cycles import Loop
+from ..signals.loops import Loop
+from .loading import correction_of
 
 _CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
 

@@ -28,8 +28,8 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..law.contact import Sliders
+from ..signals.loops import Loop
 from ..signals.one_thread import one_thread
-from .cycles import Loop
 
 MOST_BLOCKS = 24
 """Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""

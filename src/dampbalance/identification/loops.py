@@ -17,29 +17,7 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..balance import Rows
 from ..findings.finding import Finding
-from ..identification.answer import (
-    CONFIDENCE,
-    UNKNOWN,
-    USELESS,
-    Answer,
-    Balance,
-    Interval,
-    ParameterEstimate,
-    covariance_of,
-)
-from ..identification.level import Column, Level
-from ..identification.request import read_request
-from ..identification.result import Picture, Result
-from ..identification.sensitivities import Fault
-from ..identification.stated import with_stated_uncertainties
-from ..law.terms import FRICTION
-from ..project.options import LoopOptions, Stated, with_options
-from ..project.wording import listed
-from ..records.mapping import MappingLike
-from ..signals.one_thread import one_thread
-from ..solver import NORMAL_95
-from .cycles import FEWEST_CYCLES, Loop
-from .fit import (
+from ..fit.loops import (
     MOST_BLOCKS,
     SLIDERS,
     WITHIN,
@@ -54,7 +32,29 @@ from .fit import (
     slips,
     with_late_motion,
 )
-from .reading import read_loops
+from ..law.terms import FRICTION
+from ..project.options import LoopOptions, Stated, with_options
+from ..project.wording import listed
+from ..records.mapping import MappingLike
+from ..signals.loops import FEWEST_CYCLES, Loop
+from ..signals.one_thread import one_thread
+from ..solver import NORMAL_95
+from .answer import (
+    CONFIDENCE,
+    UNKNOWN,
+    USELESS,
+    Answer,
+    Balance,
+    Interval,
+    ParameterEstimate,
+    covariance_of,
+)
+from .level import Column, Level
+from .loop_records import read_loops
+from .request import read_request
+from .result import Picture, Result
+from .sensitivities import Fault
+from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -151,7 +151,7 @@ class LoopBasis:
             },
             "friction_coefficient": mu,
             "friction_coefficient_interval": interval,
-            "history": history(found).to_dict("list"),
+            "history": loop_history(found).to_dict("list"),
             "records": [
                 {"record": loop.name, "cycles": loop.cycles, "timed": loop.timed}
                 | {"force_sign_changed": loop.flipped}
@@ -161,7 +161,7 @@ class LoopBasis:
 
     def levels(self, found: Result[Any]) -> list[Level]:
         """Return the mean cycle of each amplitude in each record."""
-        levels, c = [], contact(found)["c"]
+        levels, c = [], loop_contact(found)["c"]
         for loop in self.loops:
             friction = np.full(loop.cycles, math.nan)
             if fit := self.fits.get(found.answer.name):
@@ -212,9 +212,9 @@ class LoopBasis:
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return force over displacement with the model and the backbone, loss and stiffness against the amplitude,
         and, with a fit, the history of the cycles."""
-        from . import pictures as drawn  # slow to import
+        from . import loop_pictures as drawn  # slow to import
 
-        fit, cycles = self.fits.get(found.answer.name), history(found)
+        fit, cycles = self.fits.get(found.answer.name), loop_history(found)
         shown = {
             "loops": Picture(drawn.loops, (self.loops, fit, found.levels)),
             "loss": Picture(drawn.loss, (self.loops, fit, cycles)),
@@ -222,10 +222,21 @@ class LoopBasis:
         return shown | ({"history": Picture(drawn.history, (cycles,))} if fit else {})
 
 
-def contact(found: Result[LoopBasis]) -> dict[str, float]:
+def loop_contact(found: Result[LoopBasis]) -> dict[str, float]:
     """Return F_k, K_z and c of measured loops, as `Oscillator` takes them: the response of an oscillator of mass m on a
-    spring k with this contact is `steady_orbit(Oscillator(m=m, k=k, **contact(found)), motion)`. A c that is not known,
-    or may not be positive, is zero."""
+    spring k with this contact is `steady_orbit(Oscillator(m=m, k=k, **loop_contact(found)), motion)`. A c that is not
+    known, or may not be positive, is zero.
+
+    >>> import numpy as np
+    >>> from dampbalance import identify_loops, loop_contact
+    >>> t = np.linspace(0.0, 10.0, 4001)
+    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
+    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
+    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z})
+    >>> [*loop_contact(found)], round(loop_contact(found)["F_k"], 1)
+    (['F_k', 'K_z', 'c'], 10.0)
+    """
     c = found.values.get("c", 0.0)
     return {
         "F_k": found.values["F_k"],
@@ -234,11 +245,22 @@ def contact(found: Result[LoopBasis]) -> dict[str, float]:
     }
 
 
-def sliders(found: Result[LoopBasis]) -> dict[str, Array]:
+def loop_sliders(found: Result[LoopBasis]) -> dict[str, Array]:
     """Return the contact of measured loops as `sliders_orbit` takes it where it yields gradually or its knee is
     rounded, r (m) and κ (N/m):
 
-        sliders_orbit(Oscillator(m=m, k=k, K_z=1.0, F_k=0.0, c=contact(found)["c"]), motion, **sliders(found))
+        sliders_orbit(Oscillator(m=m, k=k, K_z=1.0, F_k=0.0, c=loop_contact(found)["c"]), motion, **loop_sliders(found))
+
+    >>> import numpy as np
+    >>> from dampbalance import identify_loops, loop_sliders
+    >>> t = np.linspace(0.0, 10.0, 4001)
+    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
+    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
+    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z})
+    >>> r, kappa = loop_sliders(found).values()
+    >>> round(float(r @ kappa), 1)
+    10.0
     """
     fits = found.basis.fits
     fit = fits[found.answer.name]
@@ -248,7 +270,19 @@ def sliders(found: Result[LoopBasis]) -> dict[str, Array]:
 
 
 def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
-    """Return μ = F_k/N of measured loops and its interval of 95 %; NaN without a normal force."""
+    """Return μ = F_k/N of measured loops and its interval of 95 %; NaN without a normal force.
+
+    >>> import numpy as np
+    >>> from dampbalance import identify_loops, friction_coefficient
+    >>> t = np.linspace(0.0, 10.0, 4001)
+    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
+    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
+    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z}, normal_force=20.0)
+    >>> mu, (low, high) = friction_coefficient(found)
+    >>> round(mu, 2), low < mu < high
+    (0.5, True)
+    """
     if found.basis.normal_force is None:
         return math.nan, Interval(math.nan, math.nan)
     (N, error), F = found.basis.normal_force, found.answer.parameters[FRICTION]
@@ -259,7 +293,7 @@ def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
     return mu, scaled.wider(of_N).interval
 
 
-def history(found: Result[LoopBasis]) -> pd.DataFrame:
+def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
     """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
     stiffness of the contact, mean force, the viscous damper and the spring that would do the same, the `measures`, and
     the way travelled so far. Use it to see running-in, wear and heating.
@@ -267,10 +301,20 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
     F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles. K_z comes from the residual
     in the cycle: one step of Gauss and Newton in size and width of the contact. Both are NaN for the first cycle of a
     record, before which the state of the contact is not known, and without a fit; the damper is NaN without times.
+
+    >>> import numpy as np
+    >>> from dampbalance import identify_loops, loop_history
+    >>> t = np.linspace(0.0, 10.0, 4001)
+    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
+    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
+    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z})
+    >>> loop_history(found)[["X_m", "W_J"]].median().round(4).to_dict()
+    {'X_m': 0.001, 'W_J': 0.032}
     """
     import pandas as pd  # slow to import
 
-    fit, c, tables = found.basis.fits.get(found.answer.name), contact(found)["c"], []
+    fit, c, tables = found.basis.fits.get(found.answer.name), loop_contact(found)["c"], []
     for number, loop in enumerate(found.basis.loops):
         b = loop.by_cycle(loop.v) if loop.timed else math.nan
         x, f = (of - loop.means(of)[loop.cycle] for of in (loop.x, loop.f))
@@ -333,7 +377,7 @@ def identify_loops(
     without force or displacement, or without a complete cycle, a stiffness or a mass.
 
     >>> import numpy as np
-    >>> from dampbalance.loops import identify_loops
+    >>> from dampbalance import identify_loops
     >>> t = np.linspace(0.0, 10.0, 4001)
     >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
     >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from scipy.stats import t as student
 
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
-from ..identification.level import Level
+from ..fit.loops import LoopFit
 from ..records.coordinate import Coordinate
-from .cycles import Loop
-from .fit import LoopFit
+from ..signals.loops import Loop
+from .level import Level
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from dampbalance import identify, identify_loops, read_records
-from dampbalance.loops.answer import history
-from loops.test_fit import F_K, K_Z, SINE, K, T, X, loop, stepped
+from dampbalance.identification.loops import loop_history
+from fit.test_loops import F_K, K_Z, SINE, K, T, X, loop, stepped
 
 GROWN = np.repeat([0.4, 0.7, 1.0], 2500) * SINE[:7500]
 
@@ -143,7 +143,7 @@ def test_few_cycles_have_their_levels_and_no_fit(cycles, tmp_path):
     found = identify(written(tmp_path, SINE[own], force), normal_force=20.0)
     assert [one.code for one in found.answer.notes] == ["few loops"]
     assert found.no_answer
-    table = history(found)
+    table = loop_history(found)
     assert len(table) == cycles
     # a quarter of the first cycle is that from rest: half of the stick distance less is travelled
     Z, first = F_K / K_Z, table["W_J"][0]
@@ -189,7 +189,7 @@ def test_rest_drift_and_skipped_cycles(tmp_path):
             for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
                 error = found.standard_errors[symbol]
                 assert abs(found.values[symbol] - true) < 5.0 * error, symbol
-            cycles = history(found)
+            cycles = loop_history(found)
             assert cycles["cycle"].iloc[0] == 1 + skipped
             np.testing.assert_allclose(cycles["W_J"][1:], 4.0 * F_K * (X - F_K / K_Z), rtol=0.04)
     with pytest.raises(ValueError, match=r"complete cycles, .* and 41 are needed"):

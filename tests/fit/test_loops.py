@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dampbalance.loops.cycles import Loop, corners, middles, turning_points
-from dampbalance.loops.fit import (
+from dampbalance.fit.loops import (
     Design,
     Slider,
     fit_gradual,
@@ -14,6 +13,7 @@ from dampbalance.loops.fit import (
     predicts_better,
     slips,
 )
+from dampbalance.signals.loops import Loop, corners, middles, turning_points
 
 F_K, K_Z, K, C, X, RATE = 10.0, 5e4, 300.0, 3.0, 1e-3, 500.0
 T = np.arange(0.0, 20.0, 1.0 / RATE)

@@ -10,15 +10,20 @@ from scipy.signal import butter, lsim
 from scipy.stats import t as student
 
 from dampbalance import BaseMotion, Oscillator, identify, identify_loops, steady_orbit
+from dampbalance.fit.loops import SLIDERS, WITHIN, fit_gradual
+from dampbalance.identification import loops
+from dampbalance.identification.loops import (
+    friction_coefficient,
+    loop_contact,
+    loop_history,
+    loop_sliders,
+)
 from dampbalance.identification.outputs import outputs_of
 from dampbalance.law.contact import play
-from dampbalance.loops import answer
-from dampbalance.loops.answer import contact, friction_coefficient, history, sliders
-from dampbalance.loops.fit import SLIDERS, WITHIN, fit_gradual
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
+from fit.test_loops import F_K, K_Z, SINE, TRIANGLE, C, T, X, loop, stepped
 from folders import ROOT
-from loops.test_fit import F_K, K_Z, SINE, TRIANGLE, C, T, X, loop, stepped
 
 DATA = ROOT.parent / "shared/data/loops"
 
@@ -65,7 +70,7 @@ def test_a_channel_of_the_normal_force_gives_the_friction_coefficient_of_each_cy
     )
     found = identify(file)
     assert friction_coefficient(found)[0] == pytest.approx(0.5, rel=0.01)
-    mu = history(found)["friction_coefficient"]
+    mu = loop_history(found)["friction_coefficient"]
     # the spring in parallel and the offset grow with N here, and are not friction: 3 % of F_k
     assert mu.min() == pytest.approx(0.5, rel=0.03) == mu.max()
 
@@ -89,7 +94,7 @@ def test_the_contact_goes_into_a_response():
     found = identify_loops(table())
     of = [
         steady_orbit(Oscillator(m=2.0, k=2310.0, **law), BaseMotion(Y=0.01, omega=30.0)).X
-        for law in (contact(found), {"F_k": F_K, "K_z": K_Z, "c": C})
+        for law in (loop_contact(found), {"F_k": F_K, "K_z": K_Z, "c": C})
     ]
     assert of[0] == pytest.approx(
         of[1], rel=0.02
@@ -100,7 +105,7 @@ def test_the_history_follows_a_friction_force_that_falls():
     worn = table(c=0.0)
     fall = 1.0 - 0.2 * T / T[-1]
     worn["force_N"] = worn["force_N"] * fall
-    F = history(identify_loops(worn))["F_k_N"]
+    F = loop_history(identify_loops(worn))["F_k_N"]
     assert math.isnan(F.iloc[0])  # what the contact held before is not known
     assert F.iloc[-1] / F.iloc[1] == pytest.approx(0.815 / 0.985, rel=0.02)  # middles of the cycles
 
@@ -162,7 +167,7 @@ def test_a_rounded_knee_is_named_and_goes_into_a_response_as_sliders():
         assert abs(fit_of(found).values[symbol] - true) < 5.0 * fit_of(found).errors[symbol], symbol
     assert "The knee of the loop is rounded" in found.text()
     # the same loss as the contact at the amplitude of the record, by sliders of the gradual contact
-    r, kappa = sliders(found)["r"], sliders(found)["kappa"]
+    r, kappa = loop_sliders(found)["r"], loop_sliders(found)["kappa"]
     lost = 4.0 * float(np.maximum(X - r, 0.0) @ (kappa * r))
     assert lost == pytest.approx(np.trapezoid(f[-500:], SINE[:-1][-500:]), rel=0.01)
 
@@ -186,7 +191,7 @@ def test_the_history_follows_a_stiffness_that_falls():
         z = min(max(z + K_Z * fall[i] * dx, -F_K), F_K)
         force.append(z)
     found = identify_loops({"time_s": T, "displacement_m": SINE, "force_N": np.array(force)})
-    K = history(found)["K_z_N_per_m"].to_numpy()
+    K = loop_history(found)["K_z_N_per_m"].to_numpy()
     # one step of Gauss and Newton from the mean: second order in ±10 %
     assert np.median(K[-5:]) / np.median(K[1:6]) == pytest.approx(0.8, abs=0.02)
 
@@ -219,7 +224,7 @@ def test_the_friction_of_each_cycle_is_that_of_both_levels():
     t = np.arange(0.0, 40.0, 0.005)
     x = np.where(t < 20.0, 0.0005, 0.0015) * np.sin(np.pi * t)
     force = 2e5 * stepped(x, 6e-5)
-    cycles = history(identify_loops({"time_s": t, "displacement_m": x, "force_N": force}))
+    cycles = loop_history(identify_loops({"time_s": t, "displacement_m": x, "force_N": force}))
     np.testing.assert_allclose(cycles["F_k_N"][1:], 12.0, rtol=0.01)  # samples miss the reversals
     assert cycles["F_k_N"].isna().sum() == 1
 
@@ -308,7 +313,7 @@ def test_records_at_two_normal_loads_share_a_friction_coefficient():
     assert mu[1].low < 0.5 < mu[1].high
     assert high - low < 0.1
     assert "F_k is that at N = 19" in found.text()
-    cycles = history(found).groupby("record")["F_k_N"].mean()
+    cycles = loop_history(found).groupby("record")["F_k_N"].mean()
     np.testing.assert_allclose(cycles, [9.0, 10.0], rtol=0.01)
     for symbol, true in {"c": 0.0, "K_z": K_Z}.items():
         assert abs(found.values[symbol] - true) < 5.0 * found.standard_errors[symbol], symbol
@@ -372,8 +377,8 @@ def test_the_difference_to_other_choices_of_sliders_is_no_standard_deviation(mon
     design, fit = fit_of(found).design, fit_of(found)
     others = [
         fit_gradual(design, SLIDERS // 2),
-        fit_gradual(design, within=(WITHIN[0], answer._SOFTEST)),
-        fit_gradual(design, within=(answer._STIFFEST, WITHIN[1])),
+        fit_gradual(design, within=(WITHIN[0], loops._SOFTEST)),
+        fit_gradual(design, within=(loops._STIFFEST, WITHIN[1])),
     ]
     off = max(abs(of.values["K_z"] - fit.values["K_z"]) for of in others)
     own = student.ppf(0.975, fit.freedom) * fit.errors["K_z"]
@@ -383,7 +388,7 @@ def test_the_difference_to_other_choices_of_sliders_is_no_standard_deviation(mon
 
 def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     """Cycles of the runs are those of the record; the history is of all of them."""
-    monkeypatch.setattr(answer, "MOST_SAMPLES", 4000)
+    monkeypatch.setattr(loops, "MOST_SAMPLES", 4000)
     t = np.arange(0.0, 200.0, 0.01)
     x = X * np.sin(2.0 * np.pi * t)
     z = play(x, F_K / K_Z)[0]
@@ -393,12 +398,12 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     assert loop.own.size == pytest.approx(4000, rel=0.25)
     assert (np.diff(loop.t) > 0.0).all()
     np.testing.assert_allclose(loop.amplitudes, X, rtol=2e-3)
-    assert len(history(found)) == found.basis.loops[0].cycles == 199
+    assert len(loop_history(found)) == found.basis.loops[0].cycles == 199
     for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
         # five standard errors; the corner between samples makes 0.1 %
         assert abs(found.values[symbol] - true) < 5.0 * found.standard_errors[symbol] + 1e-3 * true
     assert "is fitted to 48 of the 198 cycles" in found.text()
-    np.testing.assert_allclose(history(found)["F_k_N"][1:], F_K, rtol=0.02)
+    np.testing.assert_allclose(loop_history(found)["F_k_N"][1:], F_K, rtol=0.02)
 
 
 def test_means_of_cycles_are_those_of_their_samples():
