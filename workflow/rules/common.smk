@@ -91,7 +91,8 @@ def rooms(*names):
 
 METHOD = (
     *("__init__.py", "arguments.py", "arrays.py", "balance.py", "estimates.py", "features.py"),
-    *("findings", "law", "model.py", "motion", "project", "records", "signals", "solver.py"),
+    *("findings", "jit.py", "law", "model.py", "motion", "project", "records", "signals"),
+    "solver.py",
 )
 PACKAGE = rooms("")  # all rooms, also those that a script finds through the face of the package
 
