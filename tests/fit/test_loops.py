@@ -7,10 +7,10 @@ import pytest
 
 from dampbalance.fit.loops import (
     Design,
-    Slider,
     fit_gradual,
     fit_slider,
     predicts_better,
+    slider,
     slips,
 )
 from dampbalance.signals.loops import Loop, corners, middles, turning_points
@@ -42,7 +42,7 @@ def loop(x=SINE, *, seed=0, noise=0.01, c=C, gap=0.0, sign=1.0, contact=((K_Z, F
 def fitted(*loops, backlash=False):
     """One slider, or one with a dead band where it is there."""
     design = Design(loops)
-    return fit_slider(design) if backlash else Slider(design).fit()
+    return fit_slider(design) if backlash else slider(design)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.2, 0.5, 0.9])

@@ -1,18 +1,15 @@
-"""Fit of a contact to measured loops: variable projection, and a jackknife over blocks of cycles.
+"""Fit of a contact to measured loops: a problem with residuals and slopes, and a jackknife over blocks of cycles.
 
     f = Σ κ_j z_j + k x + c ẋ + c_2 ẋ|ẋ| + m ẍ + drift t + offsets,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
 
-One slider, that of the paper, has κ = K_z and r = Z_m = F_k/K_z; a gradual contact has many. One slider may be
-extended:
+One slider, that of the paper, has κ = K_z and r = Z_m = F_k/K_z; a gradual contact has many, whose forces are linear
+and not negative. One slider may be extended by a gap in series, by a friction force that falls with the speed, or by a
+rounded knee (`law/contact.py`), by a quadratic damper and by a mass.
 
-- a dead band of half width g in series, as the backlash of a fixture makes it: the deflection of spring and gap is a
-  play of half width Z_m + g, and the force K_z times the part beyond the gap;
-- a friction force F_k + F_S e^{−(ẋ/v_S)²}, which falls with the speed (Stribeck);
-- a rounded knee (Bouc and Wen, `law/contact.py`) of sharpness n.
-
-Each record has a drift, and each cycle an offset of its own. All is linear except Z_m, g, F_S/F_k, v_S and n, over
-which the sum of squares is profiled. An extension is kept where it predicts blocks of cycles that are left out clearly
-better. Stick-slip noise and ripple are no white noise: errors come from the scatter between blocks.
+Each record has a drift, and each cycle an offset of its own. The search starts at the best of a grid of the r, g,
+F_S/F_k, v_S and n in which the force is not linear, by the least squares of all others. An extension is kept where it
+predicts blocks of cycles that are left out clearly better. Stick-slip noise and ripple are no white noise: errors come
+from the scatter between blocks.
 """
 
 from __future__ import annotations
@@ -22,14 +19,18 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import Any
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array, Mask
 from ..law.contact import Sliders
 from ..signals.loops import Loop
 from ..signals.one_thread import one_thread
+from .climb import Climb
+from .errors import jackknifed
+from .fit import Fit
+from .multistart import Trail, multistart
+from .parameters import Parameter, Parameters
 
 MOST_BLOCKS = 24
 """Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
@@ -41,6 +42,7 @@ _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
+_STEP = 1e-4  # of a parameter of the shape, likewise
 _KNEE = 0.98  # of F_k: a rounded knee counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
@@ -51,9 +53,10 @@ _LESS = 0.05  # of the sum of squares: an extension that takes less does not mat
 _P_CONSTANT = 0.001  # for three laws of speed of a contact of many sliders
 _APART = 100  # part of a cycle, from which on samples of noise are independent
 _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
-
-_UNEXTENDED = {"g": 0.0, "fall": 0.0, "v_S": 0.3, "n": math.inf}
-"""The shape of one slider that is not extended: g over X, F_S over F_k, v_S over the largest speed, sharpness n."""
+_FEW = 1e-3  # of a size, of a parameter that is near zero
+_ZERO = 1e-300  # beside what may be zero
+_EXACT = 1e-7  # of the force: what rounding leaves of a residual
+_FAR = 0.5  # of a sum of squares: from less on, the search goes on in units of what is left
 
 EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
@@ -62,116 +65,15 @@ EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "c_2": {},
     "m": {},
 }
-"""Extensions of one slider by name: the parameters of its shape that become free, and where their search starts."""
+"""Extensions of one slider by name: the parameters of its shape that become free, and where their search starts, g over
+X and v_S over the largest speed; fall is F_S/F_k."""
 
-_AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of Z_m before, where the search of an extension starts
-_LOGARITHMIC = {"Z": (1e-3, 3.0), "v_S": (0.03, 1.5), "n": (0.5, 30.0)}
-"""Parameters whose logarithm is searched, and their limits; Z is Z_m over X."""
-
-
-def forces(contact: Sliders, loop: Loop) -> Array:
-    """Return the force of each element of a contact in the motion of a loop, N, (j, n)."""
-    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
-    return np.asarray(contact.kappa[:, None] * z)
-
-
-def share_of(contact: Sliders, loop: Loop) -> Array:
-    """Return the force of all elements of a contact in the motion of a loop over F_k, (n,)."""
-    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
-    return np.asarray(contact.kappa @ z / (contact.F_k or 1.0))
-
-
-@dataclass(frozen=True, eq=False)
-class LoopFit:
-    """A contact fitted to loops.
-
-    design : what it was fitted to.   extensions, shape : of one slider; None and empty of many.
-    contact : of all blocks.   linear : coefficients of the terms beyond friction, by symbol.   drifts : of the loops,
-    N/s.
-    values, errors : by symbol: F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2 (N s²/m²), m (kg), g
-    (m), F_S (N), v_S (m/s) and n.
-    covariance : of F_k, c and K_z as far as determined.   freedom : blocks less one, of Student's t.
-    without : contact and linear coefficients without each block.   models : force of each loop in its cycles, N.
-    total : RSS, N².   slipping : share of the samples in slip.   predicted : sum of squares of each block by the fit to
-    the others, N².
-    """
-
-    design: Design = field(repr=False)
-    extensions: Sequence[str] | None
-    shape: Mapping[str, float]
-    contact: Sliders
-    linear: Mapping[str, float]
-    drifts: Array
-    values: dict[str, float]
-    errors: dict[str, float]
-    covariance: Array
-    freedom: int
-    without: Sequence[tuple[Sliders, Mapping[str, float]]] = field(repr=False)
-    models: tuple[Array, ...]
-    total: float
-    slipping: float
-    predicted: Array
-
-    @property
-    def rms(self) -> float:
-        """Root mean square of the residual, N."""
-        return math.sqrt(self.total / sum(model.size for model in self.models))
-
-    @property
-    def beyond_noise(self) -> float:
-        """Root mean square of what of the residual is certainly no white noise, N: samples a hundredth of a cycle apart
-        share it."""
-        design = self.design
-        left = design.force - np.concatenate(self.models)
-        apart = max(1, left.size // (int(design.cycle.max()) + 1) // _APART)
-        same = design.cycle[apart:] == design.cycle[:-apart]
-        shared = float(np.mean((left[apart:] * left[:-apart])[same]))
-        return math.sqrt(max(0.0, shared - 2.0 * self.rms**2 / math.sqrt(left.size)))
-
-    @property
-    def wrong_loss(self) -> float:
-        """Root mean square of the difference of the energy that the fit loses in a cycle from that of the loop, over
-        the latter, without what white noise makes of it."""
-        noise, loops = self.rms**2 - self.beyond_noise**2, self.design.loops
-        off = [lost(loop, self.contact, self.linear) - loop.lost for loop in loops]
-        chance = noise * math.fsum(np.sum(np.gradient(of.x)[of.own] ** 2) for of in loops)
-        measured = np.concatenate([loop.lost for loop in loops])
-        wrong = float(np.sum(np.concatenate(off) ** 2)) - chance
-        return math.sqrt(max(0.0, wrong) / float(np.sum(measured**2)))
-
-    def residual(self, loop: Loop, drift: float) -> Array:
-        """Return the residual of any cycles of the record that a loop of the fit is from, to an offset of each, N.
-
-        drift : of that loop, N/s.
-        """
-        of = {"k": loop.x, **motions_of(loop)}
-        linear = sum(p * of[name] for name, p in self.linear.items())
-        return np.asarray(
-            loop.f - drift * loop.t - self.contact.F_k * share_of(self.contact, loop) - linear
-        )
-
-    def loss(self, loop: Loop, X: Array) -> tuple[Array, Array]:
-        """Return the energy lost per cycle at amplitudes X, m, of a motion like that of a loop, and its standard error,
-        J, each (n,)."""
-        motions = [loop.scaled(of) for of in X.tolist()]
-        found = [(self.contact, self.linear), *self.without]
-        W = np.array([[lost(of, *one).item() for of in motions] for one in found])
-        return W[0], np.sqrt(np.diag(_covariance(W[1:])))
-
-
-def lost(loop: Loop, contact: Sliders, linear: Mapping[str, float]) -> Array:
-    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
-    damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
-    return loop.by_cycle(contact.F_k * share_of(contact, loop) + damped * loop.v)
-
-
-def motions_of(loop: Loop) -> dict[str, Array]:
-    """Return the columns of the terms that a motion has beyond friction and spring, by symbol, (n,)."""
-    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": np.gradient(loop.v, loop.t)}
+_FIRST = tuple(np.geomspace(0.004, 1.0, 20).tolist())  # r/X, where the search begins
+_AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of r before, where the search of an extension begins
 
 
 class Design:
-    """Columns that are linear in the unknowns, and the blocks of cycles, of some loops."""
+    """Rows that are linear in the unknowns, and the blocks of cycles, of some loops."""
 
     def __init__(self, loops: Sequence[Loop]) -> None:
         """Stack the cycles of the loops."""
@@ -180,18 +82,21 @@ class Design:
         first = np.cumsum([0, *(loop.cycles for loop in loops)])
         pairs = zip(loops, first, strict=False)
         self.cycle = self.stacked([loop.cycle + n for loop, n in pairs]).astype(int)
-        self.blocks = min(MOST_BLOCKS, int(first[-1]))
-        self.block = self.cycle * self.blocks // int(first[-1])
+        total = int(first[-1])
+        self.blocks = min(MOST_BLOCKS, total)
+        self.ends = np.searchsorted(self.cycle, np.arange(total + 1))
+        cycles = np.searchsorted(
+            np.arange(total) * self.blocks // total, np.arange(self.blocks + 1)
+        )
+        self.own = [slice(*pair) for pair in itertools.pairwise(self.ends[cycles].tolist())]
         self.force = self.stacked([loop.f for loop in loops])
         self.f = self.centred(self.force)
         self.X = max(float(loop.amplitudes.max()) for loop in loops)
         self.fastest = max(float(np.abs(loop.v).max()) for loop in loops)
         drifts = [
-            self.stacked([of.t / np.ptp(of.t) if of is loop else 0.0 * of.t for of in loops])
-            for loop in loops
+            self.stacked([of.t if of is loop else 0.0 * of.t for of in loops]) for loop in loops
         ]
-        x = self.stacked([loop.x for loop in loops])
-        self.base = [self.centred(column) for column in (x, *drifts)]
+        self.base = self.centred(np.array([self.stacked([loop.x for loop in loops]), *drifts]))
         self.v = self.stacked([loop.v for loop in loops])
         motions = [motions_of(loop) for loop in loops]
         self.motions = {
@@ -206,10 +111,9 @@ class Design:
 
     def centred(self, values: Array) -> Array:
         """Return values less their mean in each cycle, as an offset of each cycle of its own leaves them, (…, n)."""
-        rows = np.atleast_2d(values)
-        count = np.bincount(self.cycle)
-        means = [(np.bincount(self.cycle, row) / count)[self.cycle] for row in rows]
-        return np.asarray((rows - means).reshape(np.shape(values)))
+        lengths = np.diff(self.ends)
+        means = np.add.reduceat(values, self.ends[:-1], axis=-1) / lengths
+        return np.asarray(values - np.repeat(means, lengths, axis=-1))
 
     def share(self, contact: Sliders) -> Array:
         """Return the force of a contact over its F_k in all loops, (n,)."""
@@ -217,7 +121,7 @@ class Design:
 
     def by_block(self, left: Array) -> Array:
         """Return the sum of squares of each block, (blocks,)."""
-        return np.array([np.sum(left[self.block == b] ** 2) for b in range(self.blocks)])
+        return np.array([left[own] @ left[own] for own in self.own])
 
     @cached_property
     def with_c(self) -> bool:
@@ -240,134 +144,442 @@ class Design:
             return float(rest @ rest) > _INDEPENDENT**2 * float(y @ y)
 
         curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
-        inertia = self.timed and independent(self.motions["m"], self.base)
+        inertia = self.timed and independent(self.motions["m"], [*self.base])
         open_to = {"gap": True, "fall": curved, "knee": True, "c_2": curved, "m": inertia}
         return tuple(name for name in EXTENSIONS if open_to[name])
 
-    def linear(self, names: Sequence[str]) -> list[Array]:
-        """Return the columns other than friction: x, drifts, and the terms named."""
-        return [*self.base, *(self.motions[name] for name in names)]
+    def linear(self, names: Sequence[str]) -> Array:
+        """Return the rows other than friction: x, drifts, and the terms named, (p, n)."""
+        return np.array([*self.base, *(self.motions[name] for name in names)])
+
+    def parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """Return the coefficients of these rows, N/m, N/s and so on."""
+        keys = [("k", ""), *(("drift", str(i + 1)) for i in range(len(self.loops)))]
+        keys += [(name, "") for name in names]
+        sizes = _FEW * np.linalg.norm(self.f) / (np.linalg.norm(self.linear(names), axis=1) + _ZERO)
+        rows = zip(keys, sizes.tolist(), strict=True)
+        return [Parameter(name, 0.0, scale=size, group=group) for (name, group), size in rows]
 
 
-def _without_each_block(A: Array, left: Array, block: Integers, blocks: int) -> Array:
-    """Return by how much coefficients of least squares change without each block, (blocks, p).   left : residual of the
-    best fit."""
-    scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
-    A = A / scale
-    own = [block == b for b in range(blocks)]
-    G = A.T @ A
+@dataclass(frozen=True, eq=False)
+class LoopProblem:
+    """A contact in loops: residuals (model − data)/σ, less their mean in each cycle, and how they change.
+
+    design : of the loops.   linear : terms beyond contact, spring and drifts.   sigma : σ, N, a unit.
+    """
+
+    design: Design
+    linear: tuple[str, ...]
+    sigma: float = field(default=1.0, kw_only=True)
+
+    @cached_property
+    def rows(self) -> Array:
+        """The rows of spring, drifts and linear terms, (p, n)."""
+        return self.design.linear(self.linear)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples."""
+        return self.design.f.size
+
+    def thinned(self) -> LoopProblem:
+        """Return the problem itself: it is cheap."""
+        return self
+
+    def contact(self, values: Array) -> Sliders:
+        """Return the contact with these values of the parameters."""
+        raise NotImplementedError
+
+    def slopes(self, values: Array) -> Array:
+        """Return the derivatives of the model, N, (p, n)."""
+        raise NotImplementedError
+
+    def left(self, values: Array, slopes: Array) -> Array:
+        """Return data less model, N, (n,)."""
+        raise NotImplementedError
+
+    def without(self, values: Array, slopes: Array) -> Array:
+        """Return the values without each block, (blocks, p)."""
+        raise NotImplementedError
+
+    def fit(self, end: Climb) -> LoopFit:
+        """Return the fit where a climb ended."""
+        without = self.without(end.point, self.slopes(end.point))
+        return LoopFit(
+            parameters=end.parameters,
+            covariance=jackknifed([without.T]),
+            chi_square=end.chi_square,
+            freedom=self.design.blocks - 1,
+            problem=self,
+            evaluations=end.evaluations,
+            promise=end.promise,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class SliderProblem(LoopProblem):
+    """One slider with the extensions named.   Its parameters are F_k, r = Z_m, those of its shape that are free, and
+    the coefficients of the linear terms."""
+
+    extensions: tuple[str, ...] = ()
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The parameters before anything is known of them."""
+        X, v, design = self.design.X, self.design.fastest, self.design
+        shape = {
+            "r": Parameter("r", X, 1e-3 * X, 3.0 * X, scale=1e-3 * X),
+            "g": Parameter("g", 0.0, 0.0, scale=X),
+            "fall": Parameter("fall", 0.0),
+            "v_S": Parameter("v_S", 0.3 * v, 0.03 * v, 1.5 * v, scale=0.03 * v),
+            "n": Parameter("n", 3.0, 0.5, 30.0),
+        }
+        free = ["r", *(name for of in self.extensions for name in EXTENSIONS[of])]
+        friction = Parameter("F_k", 0.0, scale=_FEW * float(np.std(design.f)))
+        own = [friction, *(shape[name] for name in free), *design.parameters(self.linear)]
+        return Parameters.of(own)
+
+    @cached_property
+    def shape(self) -> slice:
+        """Places of the parameters in which the force is not linear."""
+        return slice(1, len(self.parameters) - len(self.rows))
+
+    def contact(self, values: Array) -> Sliders:
+        """Return the contact with these values of the parameters."""
+        of = dict(zip(self.parameters.names[self.shape], values[self.shape].tolist(), strict=True))
+        r = np.array([of.pop("r")])
+        return Sliders(r, values[0] / r, **of)
+
+    def share(self, values: Array) -> Array:
+        """Return the force of the contact over F_k, less its means, (n,)."""
+        one = np.append(1.0, values[1:])
+        return self.design.centred(self.design.share(self.contact(one)))
+
+    def slopes(self, values: Array) -> Array:
+        """Return the derivatives of the model, N, (p, n)."""
+        limits, slopes = self.parameters.limits, [self.share(values)]
+        for i in range(self.shape.start, self.shape.stop):
+            ends = np.tile(values, (2, 1))
+            ends[:, i] += _STEP * max(abs(values[i]), limits.scale[i]) * np.array([1.0, -1.0])
+            ends[:, i] = np.clip(ends[:, i], limits.low[i], limits.high[i])
+            up, down = (self.share(end) for end in ends)
+            slopes.append(values[0] * (up - down) / (ends[0, i] - ends[1, i]))
+        return np.array([*slopes, *self.rows])
+
+    def left(self, values: Array, slopes: Array) -> Array:
+        """Return data less model, N, (n,)."""
+        linear = np.delete(values, self.shape) @ np.delete(slopes, self.shape, axis=0)
+        return np.asarray(self.design.f - linear)
+
+    def products(self, values: Array, free: Mask, trail: Trail, out: Array) -> bool:
+        """Set JᵀJ bordered by Jᵀr and χ²."""
+        slopes = self.slopes(values)
+        both = np.vstack([slopes, -self.left(values, slopes)]) / self.sigma
+        out[:] = both @ both.T
+        return True
+
+    def without(self, values: Array, slopes: Array) -> Array:
+        """Return the values without each block, (blocks, p): one step of Gauss and Newton leaves a block out."""
+        changes = _without_each_block(self.design, slopes, self.left(values, slopes))
+        limits = self.parameters.limits
+        return np.asarray(np.clip(values + changes, limits.low, limits.high))
+
+    def start(self, near: Parameters | None = None) -> tuple[Parameters, float]:
+        """Return the parameters of the smallest sum of squares on a grid of shapes, and that sum, N².   near : the best
+        ones without the last extension."""
+        design, all_of = self.design, self.parameters
+        found = all_of.moved(**{of.key: of.value for of in near or () if of.key in all_of})
+        units = {"g": design.X, "v_S": design.fastest}
+        grids = {
+            name: [units.get(name, 1.0) * one for one in some]
+            for name, some in (EXTENSIONS[self.extensions[-1]] if near else {}).items()
+        }
+        part = _AROUND if near else _FIRST
+        grids = {"r": [found["r"].value * one for one in part]} | grids
+        Q = np.linalg.qr(self.rows.T)[0]
+        f = design.f - Q @ (Q.T @ design.f)
+
+        def cost(values: Array) -> float:
+            s = self.share(values)
+            s = s - Q @ (Q.T @ s)
+            return float(f @ f - (s @ f) ** 2 / max(float(s @ s), _ZERO))
+
+        grid = [
+            found.moved(**dict(zip(grids, of, strict=True))).values
+            for of in itertools.product(*grids.values())
+        ]
+        best = min(grid, key=cost)
+        rows = np.array([self.share(best), *self.rows])
+        linear = np.linalg.lstsq(rows.T, design.f)[0]
+        values = np.concatenate([linear[:1], best[self.shape], linear[1:]])
+        return all_of.at(values), cost(best)
+
+    def fitted(self, start: Parameters, total: float) -> LoopFit:
+        """Return the fit that a climb from a start finds.   total : sum of squares there, N²."""
+        least = _EXACT**2 * float(self.design.f @ self.design.f)
+        while True:
+            sigma = math.sqrt(max(total, least) / self.samples)
+            fit: LoopFit = multistart(replace(self, sigma=sigma), [start])[0]
+            if fit.total > _FAR * total or fit.total < least:
+                return fit
+            start, total = fit.parameters, fit.total
+
+
+@dataclass(frozen=True, eq=False)
+class GradualProblem(LoopProblem):
+    """Sliders in parallel, whose forces F_j = κ_j r_j are not negative.
+
+    r : deflections at which they slip, m, (j,).
+    """
+
+    r: Array
+
+    @cached_property
+    def columns(self) -> Array:
+        """The derivatives of the model by F_j and the linear terms, (p, n)."""
+        design = self.design
+        unit = Sliders(self.r, 1.0 / self.r)
+        forces = design.stacked([forces_of(unit, loop) for loop in design.loops])
+        return np.array([*design.centred(forces), *self.rows])
+
+    @cached_property
+    def solved(self) -> tuple[Array, Array]:
+        """The values of least squares, and those without each block, (p,) and (blocks, p); neither spring nor damper
+        push."""
+        from scipy.optimize import nnls  # slow to import
+
+        drifts = self.r.size + 1 + np.arange(len(self.design.loops))
+        others = np.setdiff1d(np.arange(len(self.columns)), drifts)
+        a, b = np.ix_(others, others), np.ix_(drifts, drifts)
+        scale = np.sqrt(np.mean(self.columns**2, axis=1)) + _ZERO
+        A = self.columns / scale[:, None]
+        grams = np.array([A[:, own] @ A[:, own].T for own in self.design.own])
+        sides = np.array([A[:, own] @ self.design.f[own] for own in self.design.own])
+
+        def solution(G: Array, y: Array) -> Array:
+            inverse = np.linalg.pinv(G[b], rcond=1e-12, hermitian=True)
+            turned = G[np.ix_(others, drifts)] @ inverse
+            S = G[a] - turned @ G[np.ix_(drifts, others)]
+            size, basis = np.linalg.eigh(S)
+            root = np.sqrt(np.maximum(size, 1e-12 * size[-1]))
+            p = np.empty(len(scale))
+            p[others] = nnls((basis * root).T, basis.T @ (y[others] - turned @ y[drifts]) / root)[0]
+            p[drifts] = inverse @ (y[drifts] - G[np.ix_(drifts, others)] @ p[others])
+            return p / scale
+
+        G, y = grams.sum(axis=0), sides.sum(axis=0)
+        left_out = [solution(G - g, y - s) for g, s in zip(grams, sides, strict=True)]
+        return solution(G, y), np.array(left_out)
+
+    def contact(self, values: Array) -> Sliders:
+        """Return the contact with these values of the parameters."""
+        return Sliders(self.r, values[: self.r.size] / self.r)
+
+    def slopes(self, values: Array) -> Array:
+        """Return the derivatives of the model, N, (p, n)."""
+        return self.columns
+
+    def left(self, values: Array, slopes: Array) -> Array:
+        """Return data less model, N, (n,)."""
+        return np.asarray(self.design.f - values @ slopes)
+
+    def without(self, values: Array, slopes: Array) -> Array:
+        """Return the values without each block, (blocks, p)."""
+        return self.solved[1]
+
+
+class LoopFit(Fit):
+    """A contact fitted to loops; its problem has their design."""
+
+    @property
+    def design(self) -> Design:
+        """The loops that it is fitted to."""
+        design: Design = self.problem.design
+        return design
+
+    @cached_property
+    def contact(self) -> Sliders:
+        """The contact of all blocks."""
+        contact: Sliders = self.problem.contact(self.point)
+        return contact
+
+    def linear_of(self, values: Array) -> dict[str, float]:
+        """Return the coefficients of the terms beyond friction, by symbol."""
+        names = ("k", *self.problem.linear)
+        return {name: float(values[self.parameters.places[name]]) for name in names}
+
+    @cached_property
+    def linear(self) -> dict[str, float]:
+        """Coefficients of the terms beyond friction, by symbol."""
+        return self.linear_of(self.point)
+
+    @property
+    def drifts(self) -> Array:
+        """Drifts of the loops, N/s."""
+        return self.point[np.array(self.parameters.names) == "drift"]
+
+    @cached_property
+    def _apart(self) -> tuple[Array, Array]:
+        """Data less model, N, (n,), and its changes without each block where it is left out, likewise."""
+        slopes = self.problem.slopes(self.point)
+        changes = self.problem.without(self.point, slopes) - self.point
+        parts = [of @ slopes[:, own] for of, own in zip(changes, self.design.own, strict=True)]
+        return self.problem.left(self.point, slopes), np.concatenate(parts)
+
+    @cached_property
+    def without(self) -> list[tuple[Sliders, dict[str, float]]]:
+        """Contact and linear coefficients without each block."""
+        values = self.problem.without(self.point, self.problem.slopes(self.point))
+        return [(self.problem.contact(of), self.linear_of(of)) for of in values]
+
+    def numbers(self, contact: Sliders, linear: Mapping[str, float]) -> dict[str, float]:
+        """Return the numbers of a contact by symbol, F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2
+        (N s²/m²), m (kg), g (m), F_S (N), v_S (m/s) and n."""
+        numbers = {"F_k": contact.F_k, "K_z": contact.K_z, **linear}
+        more = {"g": ("g", contact.g), "fall": ("F_S", contact.fall * contact.F_k)}
+        more |= {"v_S": ("v_S", contact.v_S), "n": ("n", contact.n)}
+        return numbers | dict(of for name, of in more.items() if name in self.parameters)
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """The numbers of the contact of all blocks."""
+        return self.numbers(self.contact, self.linear)
+
+    def covariance_of(self, symbols: Sequence[str]) -> Array:
+        """Return the covariance of some of these numbers."""
+        out = [self.numbers(*of) for of in self.without]
+        return jackknifed([np.array([[of[name] for of in out] for name in symbols])])
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of the values."""
+        errors = np.sqrt(np.diag(self.covariance_of([*self.values])))
+        return dict(zip(self.values, errors.tolist(), strict=True))
+
+    @cached_property
+    def models(self) -> tuple[Array, ...]:
+        """Force of each loop in its cycles, N."""
+        ends = np.cumsum([own.sum() for own in self.design.inside])[:-1]
+        return tuple(np.split(self.design.force - self._apart[0], ends))
+
+    @property
+    def total(self) -> float:
+        """RSS, N²."""
+        return self.chi_square * float(self.problem.sigma) ** 2
+
+    @cached_property
+    def slipping(self) -> float:
+        """Share of the samples in slip, of the largest slider that there is."""
+        contact = self.contact
+        i = int(np.flatnonzero(contact.kappa).max(initial=0))
+        r = contact.r[i : i + 1]
+        share = self.design.share(replace(contact, r=r, kappa=1.0 / r))
+        knee = 1.0 - 1e-9 if math.isinf(contact.n) else _KNEE
+        return float(np.mean(np.abs(share) > knee * self.design.load))
+
+    @cached_property
+    def predicted(self) -> Array:
+        """Sum of squares of each block by the fit to the others, N²."""
+        left, moved = self._apart
+        return self.design.by_block(left - moved)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residual, N."""
+        return math.sqrt(self.total / self.design.f.size)
+
+    @property
+    def beyond_noise(self) -> float:
+        """Root mean square of what of the residual is certainly no white noise, N: samples a hundredth of a cycle apart
+        share it."""
+        cycle, left = self.design.cycle, self._apart[0]
+        apart = max(1, left.size // (int(cycle.max()) + 1) // _APART)
+        same = cycle[apart:] == cycle[:-apart]
+        shared = float(np.mean((left[apart:] * left[:-apart])[same]))
+        return math.sqrt(max(0.0, shared - 2.0 * self.rms**2 / math.sqrt(left.size)))
+
+    @property
+    def wrong_loss(self) -> float:
+        """Root mean square of the difference of the energy that the fit loses in a cycle from that of the loop, over
+        the latter, without what white noise makes of it."""
+        noise, loops = self.rms**2 - self.beyond_noise**2, self.design.loops
+        off = [lost(loop, self.contact, self.linear) - loop.lost for loop in loops]
+        chance = noise * math.fsum(np.sum(np.gradient(of.x)[of.own] ** 2) for of in loops)
+        measured = np.concatenate([loop.lost for loop in loops])
+        wrong = float(np.sum(np.concatenate(off) ** 2)) - chance
+        return math.sqrt(max(0.0, wrong) / float(np.sum(measured**2)))
+
+    def residual(self, loop: Loop, drift: float) -> Array:
+        """Return the residual of any cycles of the record that a loop of the fit is from, to an offset of each, N.
+
+        drift : of that loop, N/s.
+        """
+        of = {"k": loop.x, **motions_of(loop)}
+        linear = sum(p * of[name] for name, p in self.linear.items())
+        friction = self.contact.F_k * share_of(self.contact, loop)
+        return np.asarray(loop.f - drift * loop.t - friction - linear)
+
+    def loss(self, loop: Loop, X: Array) -> tuple[Array, Array]:
+        """Return the energy lost per cycle at amplitudes X, m, of a motion like that of a loop, and its standard error,
+        J, each (n,)."""
+        motions = [loop.scaled(of) for of in X.tolist()]
+        found = [(self.contact, self.linear), *self.without]
+        W = np.array([[lost(of, *one).item() for one in found] for of in motions])
+        return W[:, 0], np.sqrt(np.diag(jackknifed([W[:, 1:]])))
+
+
+def forces_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of each element of a contact in the motion of a loop, N, (j, n)."""
+    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
+    return np.asarray(contact.kappa[:, None] * z)
+
+
+def share_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of all elements of a contact in the motion of a loop over F_k, (n,)."""
+    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
+    return np.asarray(contact.kappa @ z / (contact.F_k or 1.0))
+
+
+def lost(loop: Loop, contact: Sliders, linear: Mapping[str, float]) -> Array:
+    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
+    damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
+    return loop.by_cycle(contact.F_k * share_of(contact, loop) + damped * loop.v)
+
+
+def motions_of(loop: Loop) -> dict[str, Array]:
+    """Return the columns of the terms that a motion has beyond friction and spring, by symbol, (n,)."""
+    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": np.gradient(loop.v, loop.t)}
+
+
+def _without_each_block(design: Design, A: Array, left: Array) -> Array:
+    """Return by how much coefficients of least squares change without each block, (blocks, p).   A : rows, (p, n).
+    left : residual of the best fit."""
+    scale = np.sqrt(np.mean(A**2, axis=1)) + _ZERO
+    A = A / scale[:, None]
+    G = A @ A.T
     out = [
-        -np.linalg.pinv(G - A[of].T @ A[of], rcond=1e-12, hermitian=True) @ (A[of].T @ left[of])
-        for of in own
+        -np.linalg.pinv(G - A[:, own] @ A[:, own].T, rcond=1e-12, hermitian=True)
+        @ (A[:, own] @ left[own])
+        for own in design.own
     ]
     return np.array(out) / scale
 
 
-def _covariance(out: Array) -> Array:
-    """Return the covariance of the jackknife, (n − 1)/n Σ δ δᵀ.   out : numbers without each block, (n, p)."""
-    delta = out - out.mean(axis=0)
-    return np.asarray((len(out) - 1.0) / len(out) * delta.T @ delta)
-
-
-class Slider:
-    """One slider with the extensions named, whose shape is searched.   linear : names of its linear terms."""
-
-    def __init__(
-        self,
-        design: Design,
-        extensions: Sequence[str] = (),
-        shape: Mapping[str, float] = _UNEXTENDED,
-    ) -> None:
-        self.design, self.extensions = design, extensions
-        self.free = ["Z", *(name for of in extensions for name in EXTENSIONS[of])]
-        self.linear = ["c"] * design.with_c + [of for of in extensions if of in design.motions]
-        Q = np.linalg.qr(np.array(design.linear(self.linear)).T)[0]
-        f = design.f - Q @ (Q.T @ design.f)
-
-        def cost(at: Array) -> float:
-            s = design.centred(design.share(self.contact(self.shape_at(at, shape))))
-            s = s - Q @ (Q.T @ s)
-            left = float(f @ f - (s @ f) ** 2 / max(float(s @ s), 1e-300))
-            return math.log(max(left, 1e-14 * float(f @ f)))
-
-        self.shape = self._searched(cost, shape)
-
-    def contact(self, shape: Mapping[str, float], F_k: float = 1.0) -> Sliders:
-        """Return the contact of a shape."""
-        X, Z = self.design.X, self.design.X * shape["Z"]
-        speed = self.design.fastest * shape["v_S"]
-        r, kappa = np.array([Z]), np.array([F_k / Z])
-        return Sliders(r, kappa, X * shape["g"], shape["fall"], speed, shape["n"])
-
-    def shape_at(self, at: Array, shape: Mapping[str, float]) -> dict[str, float]:
-        """Return a shape whose free parameters are at these values, logarithms of some."""
-        moved = dict(shape)
-        for name, value in zip(self.free, at.tolist(), strict=True):
-            if name in _LOGARITHMIC:
-                low, high = _LOGARITHMIC[name]
-                value = min(max(math.exp(min(value, 10.0)), low), high)
-            moved[name] = abs(value) if name == "g" else value
-        return moved
-
-    def at(self, shape: Mapping[str, float]) -> Array:
-        """Return the free parameters of a shape, the inverse of `shape_at`."""
-        pairs = [(name, shape[name]) for name in self.free]
-        return np.array([math.log(v) if name in _LOGARITHMIC else v for name, v in pairs])
-
-    def _searched(self, cost: Any, shape: Mapping[str, float]) -> dict[str, float]:
-        from scipy.optimize import minimize  # slow to import
-
-        newest = EXTENSIONS[self.extensions[-1]] if self.extensions else {}
-        around = shape["Z"] * np.array(_AROUND) if self.extensions else np.geomspace(0.004, 1.0, 20)
-        grid = [
-            self.at({**shape, "Z": Z, **dict(zip(newest, of, strict=True))})
-            for Z in around.tolist()
-            for of in itertools.product(*newest.values())
-        ]
-        best = min(grid, key=cost)
-        steps = np.diag([0.03 if name == "g" else 0.2 for name in self.free])
-        search: Any = minimize  # its stubs know no function of an array of any shape
-        simplex = np.vstack([best, best + steps])
-        options = {"initial_simplex": simplex, "xatol": 1e-6, "fatol": 1e-10}
-        return self.shape_at(search(cost, best, method="Nelder-Mead", options=options).x, shape)
-
-    def fit(self) -> LoopFit:
-        """Return the fit; one step of Gauss and Newton leaves a block out."""
-        design, at, step = self.design, self.at(self.shape), 1e-4
-        s = design.share(self.contact(self.shape))
-        A = np.array([design.centred(s), *design.linear(self.linear)]).T
-        p = np.linalg.lstsq(A, design.f)[0]
-        ends = [(at + step * e, at - step * e) for e in np.eye(at.size)]
-        shares = [
-            [design.share(self.contact(self.shape_at(p, self.shape))) for p in of] for of in ends
-        ]
-        slopes = [p[0] * design.centred(up - down) / (2.0 * step) for up, down in shares]
-        J, model = np.column_stack([A, *slopes]), A @ p
-        out = _without_each_block(J, design.f - model, design.block, design.blocks)
-        names, n = ["k", *self.linear], p.size - len(self.linear)
-        places = [1, *range(n, p.size)]
-
-        def found(change: Array) -> tuple[Sliders, dict[str, float]]:
-            shape = self.shape_at(at + change[p.size :], self.shape)
-            linear = dict(zip(names, (p + change[: p.size])[places].tolist(), strict=True))
-            return self.contact(shape, float(p[0] + change[0])), linear
-
-        contact, linear = found(np.zeros(at.size + p.size))
-        without = [found(change) for change in out]
-        knee = 1.0 - 1e-9 if math.isinf(contact.n) else _KNEE
-        slipping = float(np.mean(np.abs(s) > knee * design.load))
-        own = self.extensions, self.shape, p[2 : 1 + len(design.base)]
-        return _made(design, own, (contact, linear), without, model, J @ out.T, slipping)
+def slider(
+    design: Design, extensions: tuple[str, ...] = (), near: LoopFit | None = None
+) -> LoopFit:
+    """Fit one slider with the extensions named.   near : the fit without the last of them."""
+    linear = ["c"] * design.with_c + [of for of in extensions if of in design.motions]
+    problem = SliderProblem(design, tuple(linear), extensions)
+    return problem.fitted(*problem.start(near.parameters if near else None))
 
 
 @one_thread
 def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
     """Fit one slider, and extend it as long as an extension predicts cycles that are left out clearly better."""
-    best = Slider(design)
-    fit, open_to = best.fit(), [of for of in design.extensions if backlash or of != "gap"]
+    fit, open_to = slider(design), [of for of in design.extensions if backlash or of != "gap"]
     while open_to:
-        tried = [Slider(design, (*best.extensions, of), best.shape) for of in open_to]
-        fits = [one.fit() for one in tried]
+        fits = [slider(design, (*fit.problem.extensions, of), fit) for of in open_to]
         better = [
             i
             for i, of in enumerate(fits)
@@ -379,7 +591,7 @@ def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
         if not better:
             break
         first = min(better, key=lambda i: float(fits[i].predicted.sum()))
-        best, fit = tried[first], fits[first]
+        fit = fits[first]
         open_to.pop(first)
     return fit
 
@@ -390,111 +602,25 @@ def fit_gradual(
 ) -> LoopFit:
     """Fit many sliders in parallel by least squares, refitted without each block; neither they nor spring and damper
     push.   within : the smallest and the largest r/X of them."""
-    from scipy.optimize import nnls  # slow to import
-
-    r = design.X * np.geomspace(*within, count)
-    x, *drifts = design.base
-    linear = ["c"] * design.with_c
-    damper = [design.motions[name] for name in linear]
-    unit = Sliders(r, 1.0 / r)
-    z = design.stacked([forces(unit, loop) for loop in design.loops])
-    A = np.array([*design.centred(z), x, *damper, *drifts]).T
-    positive = count + 1 + len(damper)
-    scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
-    A = A / scale
-    own = [design.block == b for b in range(design.blocks)]
-    grams = np.array([A[of].T @ A[of] for of in own])
-    sides = np.array([A[of].T @ design.f[of] for of in own])
-
-    def solved(G: Array, y: Array) -> Array:
-        a, b = slice(None, positive), slice(positive, None)
-        inverse = np.linalg.pinv(G[b, b], rcond=1e-12, hermitian=True)
-        S = G[a, a] - G[a, b] @ inverse @ G[b, a]
-        size, basis = np.linalg.eigh(S)
-        root = np.sqrt(np.maximum(size, 1e-12 * size[-1]))
-        part = nnls((basis * root).T, basis.T @ (y[a] - G[a, b] @ inverse @ y[b]) / root)[0]
-        return np.append(part, inverse @ (y[b] - G[b, a] @ part))
-
-    G, y = grams.sum(axis=0), sides.sum(axis=0)
-    p = solved(G, y)
-    out = np.array([solved(G - g, y - s) for g, s in zip(grams, sides, strict=True)])
-
-    def found(p: Array) -> tuple[Sliders, dict[str, float]]:
-        return Sliders(r, p[:count] / r), dict(
-            zip(["k", *linear], p[count:positive].tolist(), strict=True)
-        )
-
-    contact, k = found(p / scale)
-    largest = int(np.flatnonzero(contact.kappa).max(initial=0))
-    slipping = float(np.mean(np.abs(z[largest]) > (1.0 - 1e-9) * design.load))
-    without = [found(of) for of in out / scale]
-    return _made(
-        design,
-        (None, {}, (p / scale)[positive:]),
-        (contact, k),
-        without,
-        A @ p,
-        A @ (out - p).T,
-        slipping,
-    )
-
-
-def _numbers(contact: Sliders, linear: Mapping[str, float]) -> dict[str, float]:
-    """Return the numbers of a contact by symbol."""
-    extra = {"g": contact.g, "F_S": contact.fall * contact.F_k, "v_S": contact.v_S, "n": contact.n}
-    free = {"g": contact.g != 0.0, "n": math.isfinite(contact.n)}
-    known = {name: of for name, of in extra.items() if free.get(name, contact.fall != 0.0)}
-    return {"F_k": contact.F_k, "K_z": contact.K_z, **linear, **known}
-
-
-def _made(
-    design: Design,
-    own: tuple[Sequence[str] | None, Mapping[str, float], Array],
-    found: tuple[Sliders, Mapping[str, float]],
-    without: Sequence[tuple[Sliders, Mapping[str, float]]],
-    model: Array,
-    moved: Array,
-    slipping: float,
-) -> LoopFit:
-    """Return a fit with the errors that its changes without each block make.
-
-    own : extensions, shape, and coefficients of the columns of drift.   moved : changes of the model, (n, b).
-    """
-    values = _numbers(*found)
-    names = [*values]
-    out = np.array([[_numbers(*of).get(name, math.nan) for name in names] for of in without])
-    covariance = _covariance(out)
-    at = [names.index(name) for name in ("F_k", "c", "K_z") if name in names]
-    left = design.f - model
-    ahead = left - moved[np.arange(left.size), design.block]
-    ends = np.cumsum([own.sum() for own in design.inside])[:-1]
-    return LoopFit(
-        design=design,
-        extensions=own[0],
-        shape=own[1],
-        contact=found[0],
-        linear=found[1],
-        drifts=own[2] / [np.ptp(loop.t) for loop in design.loops],
-        values=values,
-        errors=dict(zip(names, np.sqrt(np.diag(covariance)).tolist(), strict=True)),
-        covariance=covariance[np.ix_(at, at)],
-        freedom=design.blocks - 1,
-        without=without,
-        models=tuple(np.split(design.force - left, ends)),
-        total=float(left @ left),
-        slipping=slipping,
-        predicted=design.by_block(ahead),
-    )
+    r, linear = design.X * np.geomspace(*within, count), ("c",) * design.with_c
+    problem = GradualProblem(design, linear, r)
+    values = problem.solved[0]
+    left = problem.left(values, problem.columns)
+    forces = [Parameter("F", low=0.0, value=0.0, group=str(j + 1)) for j in range(count)]
+    parameters = Parameters.of([*forces, *design.parameters(linear)]).at(values)
+    products = np.full((1, 1), left @ left)
+    return problem.fit(Climb(parameters, products, 1, 0.0))
 
 
 def _with_columns(fit: LoopFit, columns: Sequence[Array]) -> tuple[Array, Array]:
     """Return the coefficients of further columns, with the linear ones left free, and the sum of squares of each block
     by the fit to the others."""
     design, left = fit.design, fit.design.force - np.concatenate(fit.models)
-    A = np.array([*design.centred(np.array(columns)), *design.linear([*fit.linear][1:])]).T
-    p = np.linalg.lstsq(A, left)[0]
-    out = _without_each_block(A, left - A @ p, design.block, design.blocks)
-    return p, design.by_block(left - np.sum(A * (p + out[design.block]), axis=1))
+    A = np.array([*design.centred(np.array(columns)), *fit.problem.rows])
+    p = np.linalg.lstsq(A.T, left)[0]
+    out = p + _without_each_block(design, A, left - p @ A)
+    ahead = [left[own] - of @ A[:, own] for of, own in zip(out, design.own, strict=True)]
+    return p, design.by_block(np.concatenate(ahead))
 
 
 @one_thread
@@ -534,9 +660,9 @@ def different_forces(fit: LoopFit) -> Array:
 def with_late_motion(fit: LoopFit, late: float) -> LoopFit:
     """Return the fit with its displacement later by some time, s, as a fit to the force that much earlier."""
     loops = [replace(of, f=np.interp(of.t + late, of.t, of.f)) for of in fit.design.loops]
-    if fit.extensions is None:
+    if isinstance(fit.problem, GradualProblem):
         return fit_gradual(Design(loops))
-    return Slider(Design(loops), fit.extensions, fit.shape).fit()
+    return replace(fit.problem, design=Design(loops)).fitted(fit.parameters, fit.total)
 
 
 def _less(one: Array, other: Array, p: float) -> bool:

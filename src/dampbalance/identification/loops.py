@@ -535,9 +535,7 @@ def _answer(
     if "g" in fit.values:
         merit |= {"gap_m": 2.0 * fit.values["g"], "gap_standard_error_m": 2.0 * fit.errors["g"]}
     symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
-    order = [n for n in (FRICTION, "c", "K_z") if n in fit.errors]
-    at = [order.index(s) for s in symbols]
-    covariance = covariance_of(parameters, symbols, fit.covariance[np.ix_(at, at)])
+    covariance = covariance_of(parameters, symbols, fit.covariance_of(symbols))
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
