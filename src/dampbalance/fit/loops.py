@@ -7,7 +7,7 @@ and not negative. One slider may be extended by a gap in series, by a friction f
 rounded knee (`law/contact.py`), by a quadratic damper and by a mass.
 
 Each record has a drift, and each cycle an offset of its own. The search starts at the best of a grid of the r, g,
-F_S/F_k, v_S and n in which the force is not linear, by the least squares of all others. An extension is kept where it
+F_S/F, v_S and n in which the force is not linear, by the least squares of all others. An extension is kept where it
 predicts blocks of cycles that are left out clearly better. Stick-slip noise and ripple are no white noise: errors come
 from the scatter between blocks.
 """
@@ -56,17 +56,18 @@ _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the lar
 _FEW = 1e-3  # of a size, of a parameter that is near zero
 _ZERO = 1e-300  # beside what may be zero
 _EXACT = 1e-7  # of the force: what rounding leaves of a residual
-_FAR = 0.5  # of a sum of squares: from less on, the search goes on in units of what is left
+_ROUNDS, _STAYS = 8, 0.01  # of climbs, until one gains less in χ²
+_TINY = 1e-6  # of a parameter, of a difference quotient of a closed form
 
 EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
-    "fall": {"fall": (0.1, 0.4), "v_S": _STRIBECK},
+    "fall": {"fall": (0.1, 0.3), "v_S": _STRIBECK},
     "knee": {"n": (1.0, 3.0)},
     "c_2": {},
     "m": {},
 }
 """Extensions of one slider by name: the parameters of its shape that become free, and where their search starts, g over
-X and v_S over the largest speed; fall is F_S/F_k."""
+X and v_S over the largest speed; fall is F_S/(F_k + F_S)."""
 
 _FIRST = tuple(np.geomspace(0.004, 1.0, 20).tolist())  # r/X, where the search begins
 _AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of r before, where the search of an extension begins
@@ -190,6 +191,11 @@ class LoopProblem:
         """Return the contact with these values of the parameters."""
         raise NotImplementedError
 
+    def linear_at(self, values: Array) -> dict[str, float]:
+        """Return the coefficients of spring and linear terms, by symbol."""
+        k, *others = values[len(values) - len(self.rows) :].tolist()
+        return {"k": k} | dict(zip(self.linear, others[len(self.design.loops) :], strict=True))
+
     def slopes(self, values: Array) -> Array:
         """Return the derivatives of the model, N, (p, n)."""
         raise NotImplementedError
@@ -218,8 +224,11 @@ class LoopProblem:
 
 @dataclass(frozen=True, eq=False)
 class SliderProblem(LoopProblem):
-    """One slider with the extensions named.   Its parameters are F_k, r = Z_m, those of its shape that are free, and
-    the coefficients of the linear terms."""
+    """One slider with the extensions named. Its parameters are F, the friction force at rest, r = F/K_z, those of its
+    shape that are free, and the coefficients of the linear terms.
+
+    fall : F_S/F, so that F_k = (1 − fall) F: where friction falls to nothing, F and r are still determined.
+    """
 
     extensions: tuple[str, ...] = ()
 
@@ -230,12 +239,12 @@ class SliderProblem(LoopProblem):
         shape = {
             "r": Parameter("r", X, 1e-3 * X, 3.0 * X, scale=1e-3 * X),
             "g": Parameter("g", 0.0, 0.0, scale=X),
-            "fall": Parameter("fall", 0.0),
+            "fall": Parameter("fall", 0.0, 0.0, 0.99),
             "v_S": Parameter("v_S", 0.3 * v, 0.03 * v, 1.5 * v, scale=0.03 * v),
             "n": Parameter("n", 3.0, 0.5, 30.0),
         }
         free = ["r", *(name for of in self.extensions for name in EXTENSIONS[of])]
-        friction = Parameter("F_k", 0.0, scale=_FEW * float(np.std(design.f)))
+        friction = Parameter("F", 0.0, scale=_FEW * float(np.std(design.f)))
         own = [friction, *(shape[name] for name in free), *design.parameters(self.linear)]
         return Parameters.of(own)
 
@@ -247,13 +256,13 @@ class SliderProblem(LoopProblem):
     def contact(self, values: Array) -> Sliders:
         """Return the contact with these values of the parameters."""
         of = dict(zip(self.parameters.names[self.shape], values[self.shape].tolist(), strict=True))
-        r = np.array([of.pop("r")])
-        return Sliders(r, values[0] / r, **of)
+        r, fall = np.array([of.pop("r")]), of.pop("fall", 0.0)
+        return Sliders(r * (1.0 - fall), values[0] / r, fall=fall / (1.0 - fall), **of)
 
     def share(self, values: Array) -> Array:
-        """Return the force of the contact over F_k, less its means, (n,)."""
-        one = np.append(1.0, values[1:])
-        return self.design.centred(self.design.share(self.contact(one)))
+        """Return the force of the contact over F, less its means, (n,)."""
+        contact = self.contact(np.append(1.0, values[1:]))
+        return contact.F_k * self.design.centred(self.design.share(contact))
 
     def slopes(self, values: Array) -> Array:
         """Return the derivatives of the model, N, (p, n)."""
@@ -304,10 +313,11 @@ class SliderProblem(LoopProblem):
             s = s - Q @ (Q.T @ s)
             return float(f @ f - (s @ f) ** 2 / max(float(s @ s), _ZERO))
 
-        grid = [
-            found.moved(**dict(zip(grids, of, strict=True))).values
-            for of in itertools.product(*grids.values())
-        ]
+        grid = []
+        for of in itertools.product(*grids.values()):
+            shape = dict(zip(grids, of, strict=True))
+            shape["r"] /= 1.0 - shape.get("fall", 0.0)  # F_k stays
+            grid.append(found.moved(**shape).values)
         best = min(grid, key=cost)
         rows = np.array([self.share(best), *self.rows])
         linear = np.linalg.lstsq(rows.T, design.f)[0]
@@ -317,12 +327,13 @@ class SliderProblem(LoopProblem):
     def fitted(self, start: Parameters, total: float) -> LoopFit:
         """Return the fit that a climb from a start finds.   total : sum of squares there, N²."""
         least = _EXACT**2 * float(self.design.f @ self.design.f)
-        while True:
+        for _ in range(_ROUNDS):
             sigma = math.sqrt(max(total, least) / self.samples)
             fit: LoopFit = multistart(replace(self, sigma=sigma), [start])[0]
-            if fit.total > _FAR * total or fit.total < least:
-                return fit
+            if fit.total > total - _STAYS * sigma**2:
+                break
             start, total = fit.parameters, fit.total
+        return fit
 
 
 @dataclass(frozen=True, eq=False)
@@ -403,15 +414,10 @@ class LoopFit(Fit):
         contact: Sliders = self.problem.contact(self.point)
         return contact
 
-    def linear_of(self, values: Array) -> dict[str, float]:
-        """Return the coefficients of the terms beyond friction, by symbol."""
-        names = ("k", *self.problem.linear)
-        return {name: float(values[self.parameters.places[name]]) for name in names}
-
     @cached_property
     def linear(self) -> dict[str, float]:
         """Coefficients of the terms beyond friction, by symbol."""
-        return self.linear_of(self.point)
+        return self.problem.linear_at(self.point)
 
     @property
     def drifts(self) -> Array:
@@ -430,25 +436,31 @@ class LoopFit(Fit):
     def without(self) -> list[tuple[Sliders, dict[str, float]]]:
         """Contact and linear coefficients without each block."""
         values = self.problem.without(self.point, self.problem.slopes(self.point))
-        return [(self.problem.contact(of), self.linear_of(of)) for of in values]
+        return [(self.problem.contact(of), self.problem.linear_at(of)) for of in values]
 
-    def numbers(self, contact: Sliders, linear: Mapping[str, float]) -> dict[str, float]:
+    def numbers_at(self, values: Array) -> dict[str, float]:
         """Return the numbers of a contact by symbol, F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2
-        (N s²/m²), m (kg), g (m), F_S (N), v_S (m/s) and n."""
-        numbers = {"F_k": contact.F_k, "K_z": contact.K_z, **linear}
+        (N s²/m²), m (kg), g (m), F_S (N), v_S (m/s) and n, with these values of the parameters."""
+        contact, linear = self.problem.contact(values), self.problem.linear_at(values)
         more = {"g": ("g", contact.g), "fall": ("F_S", contact.fall * contact.F_k)}
         more |= {"v_S": ("v_S", contact.v_S), "n": ("n", contact.n)}
-        return numbers | dict(of for name, of in more.items() if name in self.parameters)
+        free = dict(of for name, of in more.items() if name in self.parameters)
+        return {"F_k": contact.F_k, "K_z": contact.K_z, **linear, **free}
 
     @cached_property
     def values(self) -> dict[str, float]:
         """The numbers of the contact of all blocks."""
-        return self.numbers(self.contact, self.linear)
+        return self.numbers_at(self.point)
 
     def covariance_of(self, symbols: Sequence[str]) -> Array:
-        """Return the covariance of some of these numbers."""
-        out = [self.numbers(*of) for of in self.without]
-        return jackknifed([np.array([[of[name] for of in out] for name in symbols])])
+        """Return the covariance of some of these numbers, to first order."""
+        steps = _TINY * np.maximum(np.abs(self.point), self.parameters.scale)
+        ends = [self.point + turn * np.diag(steps) for turn in (1.0, -1.0)]
+        up, down = ([self.numbers_at(of) for of in some] for some in ends)
+        pairs = [*zip(up, down, strict=True)]
+        slopes = np.array([[one[s] - other[s] for one, other in pairs] for s in symbols])
+        slopes /= 2.0 * steps
+        return np.asarray(slopes @ self.covariance @ slopes.T)
 
     @cached_property
     def errors(self) -> dict[str, float]:

@@ -31,6 +31,7 @@ from ..arrays import Array, Complexes
 from ..jit import jit
 
 _STEP = 0.1  # of r, of a step of fourth order around a rounded knee: its error is 1e-6
+_SATURATED = 1e-12  # rate at which the deflection still grows that does not matter
 _SMALL = 1e-2  # ϑ below which two terms of a series are closer than the difference
 
 
@@ -64,6 +65,8 @@ def _moved(z: float, dx: float, r: float, n: float) -> float:
     h, u = (abs(dx) - back) / r / steps, min(way * (z + way * back) / r, 1.0)
     for _ in range(steps if abs(dx) > back else 0):
         a = 1.0 - abs(u) ** n
+        if a < _SATURATED:
+            break
         b = 1.0 - abs(u + 0.5 * h * a) ** n
         c = 1.0 - abs(u + 0.5 * h * b) ** n
         u += h / 6.0 * (a + 2.0 * b + 2.0 * c + 1.0 - abs(u + h * c) ** n)
