@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from .identification.decays import identify_decays
     from .identification.forced import friction_loops, identify_forced
     from .identification.result import Result
-    from .joints.answer import damping_at
+    from .identification.stepped_sine import damping_at
     from .measured import identify, identify_joint, identify_loops, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
@@ -77,7 +77,7 @@ _MODULES = {
     "identification.decays": ("identify_decays",),
     "identification.forced": ("friction_loops", "identify_forced"),
     "identification.result": ("Result",),
-    "joints.answer": ("damping_at",),
+    "identification.stepped_sine": ("damping_at",),
     "measured": ("identify", "identify_joint", "identify_loops", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),

@@ -23,8 +23,8 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.stats import binomtest
 
-from dampbalance.joints.fit import ContactFit, compare_contacts
-from dampbalance.joints.lines import SteppedLines
+from dampbalance.fit.contacts import ContactFit, compare_contacts
+from dampbalance.fit.stiffness_lines import SteppedLines
 from dampbalance.project.wording import markdown_table
 
 from .truths import log_uniform

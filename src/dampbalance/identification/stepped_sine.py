@@ -1,7 +1,7 @@
 """The contact and the damping from tables of steady responses to a stepped sine, line by line.
 
 A line is a row of the balance, W = πFX sin φ, and its in-phase part says how stiff the contact still is at that
-amplitude. Both are rows of the dynamic stiffness (`lines.py`), to which two contacts are fitted:
+amplitude. Both are rows of the dynamic stiffness (`fit/stiffness_lines.py`), to which two contacts are fitted:
 one slider, that of the paper, and many that slip one after the other, as the interface of a bolted joint does.
 """
 
@@ -19,7 +19,15 @@ from ..arrays import Integers, Mask
 from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
-from ..identification.answer import (
+from ..fit.contacts import ContactComparison, ContactFit, compare_contacts, fit_contact
+from ..fit.stiffness_lines import Contact, SteppedLines
+from ..law.law import Law, law_of
+from ..law.terms import FRICTION, term
+from ..project.options import Stated, SteppedSineOptions, with_options
+from ..project.wording import listed
+from ..records.mapping import MappingLike
+from ..records.stepped_sine import SteppedRecord, read_lines
+from .answer import (
     UNKNOWN,
     Answer,
     Balance,
@@ -27,19 +35,11 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.level import Column, Level
-from ..identification.request import read_request
-from ..identification.result import Picture, Result
-from ..identification.sensitivities import Fault
-from ..identification.stated import with_stated_uncertainties
-from ..law.law import Law, law_of
-from ..law.terms import FRICTION, term
-from ..project.options import Stated, SteppedSineOptions, with_options
-from ..project.wording import listed
-from ..records.mapping import MappingLike
-from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
-from .lines import Contact, SteppedLines
-from .records import SteppedRecord, read_lines
+from .level import Column, Level
+from .request import read_request
+from .result import Picture, Result
+from .sensitivities import Fault
+from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -146,7 +146,7 @@ class SteppedBasis:
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the energy lost per cycle and the in-phase stiffness over the amplitude, and the sliders."""
-        from . import pictures as drawn  # slow to import
+        from . import stepped_pictures as drawn  # slow to import
 
         of, fits = self._of_mode(found), {name: self.fits[name] for name in found.approaches}
         return {

@@ -12,14 +12,20 @@ import pandas as pd
 import pytest
 from matplotlib import pyplot
 
-from dampbalance import Oscillator, identify, measured_ring_down, read_records, steady_orbits
+from dampbalance import (
+    Oscillator,
+    identify,
+    identify_joint,
+    measured_ring_down,
+    read_records,
+    steady_orbits,
+)
+from dampbalance.fit.contacts import fit_contact
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
-from dampbalance.joints import identify_joint
-from dampbalance.joints.answer import damping_at
-from dampbalance.joints.fit import fit_contact
-from dampbalance.joints.synthetic import stepped_sine
+from dampbalance.identification.stepped_sine import damping_at
 from dampbalance.law.contact import Sliders
+from dampbalance.records.synthetic import stepped_sine
 from folders import ROOT
 
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}

@@ -16,8 +16,8 @@ import yaml
 from scipy.io import savemat
 
 from dampbalance import RecordError, read_records
-from dampbalance.joints.records import SteppedRecord
 from dampbalance.records.readers import mapping_to_start_from
+from dampbalance.records.stepped_sine import SteppedRecord
 from records.drafts import filled, shown
 from records.workbooks import row, xlsx
 

@@ -1,6 +1,6 @@
 """Contact, damping, stiffness and mass from steady responses to a harmonic force, with intervals; which contact it is.
 
-The equations and the fit are those of `lines.py`. Intervals come from replicates of the lines about the law.
+The equations and the fit are those of `stiffness_lines.py`. Intervals come from replicates of the lines about the law.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import numpy as np
 
 from ..arrays import Array, Complexes
 from ..findings.finding import Finding
-from ..identification.law_comparison import as_good
 from ..law.contact import Sliders, secant
 from ..signals.one_thread import one_thread
-from .lines import (
+from .goodness import as_good
+from .stiffness_lines import (
     LESS,
     Contact,
     ContactEstimate,

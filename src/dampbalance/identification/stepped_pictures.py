@@ -1,4 +1,4 @@
-"""Pictures of joints: loss and stiffness against the amplitude, and the sliders of each contact."""
+"""Pictures of a stepped sine: loss and stiffness against the amplitude, and the sliders of each contact."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..arrays import Array
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
+from ..fit.contacts import Band, ContactFit
+from ..fit.stiffness_lines import SteppedLines
 from ..records.coordinate import Coordinate
-from .fit import Band, ContactFit
-from .lines import SteppedLines
 
 
 @styled()

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.joints.fit import compare_contacts, fit_contact
-from dampbalance.joints.lines import SteppedLines
+from dampbalance.fit.contacts import compare_contacts, fit_contact
+from dampbalance.fit.stiffness_lines import SteppedLines
 
 M, K, C, K_Z, R_SLIP = 1.5, 6.0e4, 3.0, 2.0e4, 4.0e-5
 LEVELS = (1.5e-5, 5e-5, 1.2e-4, 2.5e-4, 4e-4)

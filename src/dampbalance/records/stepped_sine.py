@@ -19,16 +19,16 @@ import numpy as np
 
 from ..arrays import Array, Integers, ReadOnly
 from ..project.wording import listed, shortened, visible
-from ..records.channel import ABSOLUTE, Channel
-from ..records.draft import unclear
-from ..records.errors import RecordError
-from ..records.guess import Guesses
-from ..records.headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
-from ..records.mapping import ChannelRule, RecordMapping
-from ..records.record import Record
-from ..records.stepped_tables import is_table_of_lines
-from ..records.table import Table
-from ..records.units import (
+from .channel import ABSOLUTE, Channel
+from .draft import unclear
+from .errors import RecordError
+from .guess import Guesses
+from .headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
+from .mapping import ChannelRule, RecordMapping
+from .record import Record
+from .stepped_tables import is_table_of_lines
+from .table import Table
+from .units import (
     PER_FORCE,
     TABLE_DIMENSIONS,
     TABLE_DRIVES,

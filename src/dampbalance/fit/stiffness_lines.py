@@ -4,7 +4,7 @@ Each line is a complex number, the dynamic stiffness Z = (F/X)e^{iφ}, φ the la
 
     Z = k + ¾k_3X² − mω² + i Σ p g_p/(πX²) + Σ κ_j D(X/r_j)
 
-with the integrals g_p of the terms (`law/terms.py`) and the secant D of a slider (`contact.py`). The imaginary part
+with the integrals g_p of the terms (`law/terms.py`) and the secant D of a slider (`law/contact.py`). The imaginary part
 is the energy balance πX² Im Z = πFX sin φ, Eq. (14) of Liang & Feeny (2010), the real part the in-phase row, which a
 contact lowers with the amplitude. Where the driven point moves with other modes, too, their residual receptance R
 changes what is measured:
