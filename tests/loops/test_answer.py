@@ -11,10 +11,10 @@ from scipy.stats import t as student
 
 from dampbalance import BaseMotion, Oscillator, identify, identify_loops, steady_orbit
 from dampbalance.identification.outputs import outputs_of
+from dampbalance.law.contact import play
 from dampbalance.loops import answer
 from dampbalance.loops.answer import contact, friction_coefficient, history, sliders
 from dampbalance.loops.fit import SLIDERS, WITHIN, fit_gradual
-from dampbalance.motion.play import play
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
 from folders import ROOT
@@ -386,7 +386,7 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     monkeypatch.setattr(answer, "MOST_SAMPLES", 4000)
     t = np.arange(0.0, 200.0, 0.01)
     x = X * np.sin(2.0 * np.pi * t)
-    z = play(x, x[1:].copy(), F_K / K_Z, np.inf, np.ones(t.size))
+    z = play(x, F_K / K_Z)[0]
     noise = 0.01 * F_K * np.random.default_rng(5).normal(size=t.size)
     found = identify_loops({"time_s": t, "displacement_m": x, "force_N": K_Z * z + noise})
     (loop,) = fit_of(found).design.loops

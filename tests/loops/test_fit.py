@@ -14,7 +14,6 @@ from dampbalance.loops.fit import (
     predicts_better,
     slips,
 )
-from dampbalance.motion.play import play
 
 F_K, K_Z, K, C, X, RATE = 10.0, 5e4, 300.0, 3.0, 1e-3, 500.0
 T = np.arange(0.0, 20.0, 1.0 / RATE)
@@ -44,26 +43,6 @@ def fitted(*loops, backlash=False):
     """One slider, or one with a dead band where it is there."""
     design = Design(loops)
     return fit_slider(design) if backlash else Slider(design).fit()
-
-
-@pytest.mark.parametrize("r", [0.3, 2.0, 50.0])
-def test_play_is_that_of_single_steps_for_any_motion(r):
-    x = np.cumsum(np.random.default_rng(1).normal(size=400))
-    z = play(x, x[1:].copy(), r, np.inf, np.ones(x.size))
-    np.testing.assert_allclose(z, stepped(x, r), atol=1e-12)
-
-
-@pytest.mark.parametrize(("n", "law"), [(1.0, lambda s: 1.0 - np.exp(-s)), (2.0, np.tanh)])
-def test_a_rounded_knee_follows_its_closed_form(n, law):
-    """dz/dx = 1 − (z/r)ⁿ from rest; after the reversal at z_0 z falls by the way back to zero, then as from rest."""
-    r, top = 0.2, 0.5
-    up = np.linspace(0.0, top, 101)
-    x = np.concatenate([up, top - 2.0 * up[1:]])
-    z = play(x, x[1:].copy(), r, n, np.ones(x.size))
-    np.testing.assert_allclose(z[:101], r * law(up / r), atol=1e-8)  # steps of fourth order
-    z_0, back = z[100], top - x[100:]
-    later = np.where(back < z_0, z_0 - back, -r * law(np.maximum(back - z_0, 0.0) / r))
-    np.testing.assert_allclose(z[100:], later, atol=1e-8)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.2, 0.5, 0.9])

@@ -11,7 +11,7 @@ import pytest
 from numba import cuda
 
 from dampbalance import Orbits, steady_orbits
-from dampbalance.motion.jit import _Kernel
+from dampbalance.jit import _Kernel
 from processes import output_of
 
 SIMULATED = "NUMBA_ENABLE_CUDASIM" in os.environ

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from dampbalance import identify_loops
-from dampbalance.motion.play import play
+from dampbalance.law.contact import play
 from dampbalance.project.files import write_csv, write_text
 
 from .measuring import machine, markdown, quantity
@@ -31,7 +31,7 @@ def record(samples: int, cycles: int) -> dict[str, np.ndarray]:
     """Return the loops of one slider and a damper under a sine of 1 Hz."""
     t = np.linspace(0.0, cycles, samples)
     x = X * np.sin(2.0 * math.pi * t)
-    z = play(x, x[1:].copy(), F_K / K_Z, math.inf, np.ones(x.size))
+    z = play(x, F_K / K_Z)[0]
     noise = NOISE * F_K * np.random.default_rng(SEED).normal(size=t.size)
     force = K_Z * z + C * np.gradient(x, t) + noise
     return {"time_s": t, "displacement_m": x, "force_N": force}

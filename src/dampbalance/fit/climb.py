@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, Integers, Mask
-from ..motion.jit import jit
+from ..jit import jit
 from .parameters import Limits, Parameters
 
 MOST_EVALUATIONS = 30

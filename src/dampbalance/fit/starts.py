@@ -7,23 +7,24 @@ For each contact stiffness of a grid the energy balance of the records,
 gives F_k and c, by least squares and for several shares of friction in the work (a single level does not separate the
 two), and the in-phase part of the fundamental the mass:
 
-    mω² = k + K − kY Re(1/x_1),   K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X
+    mω² = k + K − kY Re(1/x_1),   K = K_z Re D(Z_m/X)
 
-with the stiffness K that the contact has for the fundamental of a harmonic motion. The responses of these candidates
-are compared with the harmonics, and the closest start: first their responses to the force that the contact has in the
-motion as it was read, which need no orbit; where no fit from there holds, the exact orbits of many more candidates.
+with the stiffness K that the contact has for the fundamental of a harmonic motion, and D of `law/contact.py`. The
+responses of these candidates are compared with the harmonics, and the closest start: first their responses to the force
+that the contact has in the motion as it was read, which need no orbit; where no fit from there holds, the exact orbits
+of many more candidates.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, Complexes, Mask
+from ..law.contact import describing, play
 from ..motion.orbits import steady_orbits
 from ..motion.regime import Regime
 from ..signals.lines import Lines
@@ -105,20 +106,9 @@ def _responses_to_contact(
     for one, rubbed, damped in zip(lines, *shares, strict=True):
         Z_m = rubbed * F_k / K_z
         cycle = _waveform(one)
-        wave = np.concatenate([cycle, cycle, cycle[:1]])  # the second cycle is steady
-        z, now = np.zeros((_POINTS_OF_CONTACT + 1, m.size)), np.zeros(m.size)
-        forward = np.diff(wave) >= 0.0
-        turns = [0, *(1 + np.flatnonzero(forward[1:] != forward[:-1])), wave.size - 1]
-        # between two turns the deflection is that of the travel, within ±Z_m
-        for begin, end in pairwise(turns):
-            since = max(begin, _POINTS_OF_CONTACT)
-            if end >= _POINTS_OF_CONTACT:
-                travel = wave[since : end + 1, None] - wave[begin]
-                z[since - _POINTS_OF_CONTACT : end + 1 - _POINTS_OF_CONTACT] = np.clip(
-                    now + travel, -Z_m, Z_m
-                )
-            now = np.clip(now + (wave[end] - wave[begin]), -Z_m, Z_m)
-        force = (2.0 / _POINTS_OF_CONTACT) * K_z * (turn.real @ z[:-1] + 1j * (turn.imag @ z[:-1]))
+        wave = np.concatenate([cycle, cycle])  # the second cycle is steady
+        z = play(wave, Z_m)[:, _POINTS_OF_CONTACT:].T
+        force = (2.0 / _POINTS_OF_CONTACT) * K_z * (turn.real @ z + 1j * (turn.imag @ z))
         drive = np.where(n == 1, k * one.Y, 0.0)
         impedance = k - np.outer((n * one.omega) ** 2, m) + 1j * np.outer(n * one.omega, damped * c)
         harmonics.append(((drive[:, None] - force) / impedance).T)
@@ -156,8 +146,7 @@ def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) ->
         F_k[:, 0], of_c = _not_negative(a[:, 0] / work, b[known] / work)
     c = np.tile(work.sum() / b[known].sum() * (1.0 - np.array([1.0, *_SHARES])), (K_z.size, 1))
     c[:, 0] = of_c[:, 0]
-    theta = np.arccos(np.clip(1.0 - 2.0 * F_k * shares.friction / (K_z * X), -1.0, 1.0))
-    contact = K_z / math.pi * (theta - np.sin(theta) * np.cos(theta))
+    contact = K_z * describing(F_k * shares.friction / (K_z * X)).real
     apparent = k - (k * Y / fundamental).real
     m = np.sum((apparent + contact) / omega**2 * X**2, axis=-1, keepdims=True) / np.sum(X**2)
     if wide:

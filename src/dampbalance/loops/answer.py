@@ -50,6 +50,7 @@ from .fit import (
     fit_gradual,
     fit_slider,
     predicts_better,
+    share_of,
     slips,
     with_late_motion,
 )
@@ -300,8 +301,8 @@ def history(found: Result[LoopBasis]) -> pd.DataFrame:
 @one_thread
 def _stiffer(fit: LoopFit, loop: Loop, drift: float) -> Array:
     """Return K_z of each cycle over that of all.   drift : of the force, N/s."""
-    share = fit.contact.share(loop)
-    wider = replace(fit.contact, r=fit.contact.r * (1.0 + _WIDER)).share(loop)
+    share = share_of(fit.contact, loop)
+    wider = share_of(replace(fit.contact, r=fit.contact.r * (1.0 + _WIDER)), loop)
     A = np.array([share, (wider - share) / _WIDER, np.ones(share.size)])[:, loop.own].T
     left = fit.residual(loop, drift)[loop.own]
     moved = [np.linalg.lstsq(A[own], left[own])[0] for own in loop.slices]
@@ -414,7 +415,7 @@ def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
     quadratic damper takes."""
     quadratic = fit.linear.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
-    return loop.by_cycle(fit.contact.share(loop)), loop.by_cycle(loop.v), loop.lost - quadratic
+    return loop.by_cycle(share_of(fit.contact, loop)), loop.by_cycle(loop.v), loop.lost - quadratic
 
 
 def _answer(

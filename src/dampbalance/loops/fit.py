@@ -8,7 +8,7 @@ extended:
 - a dead band of half width g in series, as the backlash of a fixture makes it: the deflection of spring and gap is a
   play of half width Z_m + g, and the force K_z times the part beyond the gap;
 - a friction force F_k + F_S e^{−(ẋ/v_S)²}, which falls with the speed (Stribeck);
-- a rounded knee (Bouc and Wen, `motion/play.py`) of sharpness n.
+- a rounded knee (Bouc and Wen, `law/contact.py`) of sharpness n.
 
 Each record has a drift, and each cycle an offset of its own. All is linear except Z_m, g, F_S/F_k, v_S and n, over
 which the sum of squares is profiled. An extension is kept where it predicts blocks of cycles that are left out clearly
@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
@@ -28,7 +28,6 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..law.contact import Sliders
-from ..motion.play import play
 from ..signals.one_thread import one_thread
 from .cycles import Loop
 
@@ -70,33 +69,16 @@ _LOGARITHMIC = {"Z": (1e-3, 3.0), "v_S": (0.03, 1.5), "n": (0.5, 30.0)}
 """Parameters whose logarithm is searched, and their limits; Z is Z_m over X."""
 
 
-@dataclass(frozen=True, eq=False)
-class Contact(Sliders):
-    """Sliders in parallel, and how they are extended.
+def forces(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of each element of a contact in the motion of a loop, N, (j, n)."""
+    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
+    return np.asarray(contact.kappa[:, None] * z)
 
-    g : half width of a gap in series, m.   fall, v_S : F_S/F_k and speed, m/s, of a friction that falls with it.   n :
-    sharpness of the knee, ∞ of sliders.
-    """
 
-    g: float = 0.0
-    fall: float = 0.0
-    v_S: float = 1.0
-    n: float = math.inf
-
-    def forces(self, loop: Loop) -> Array:
-        """Return the force of each element, N, (j, n)."""
-        return np.array([*self._each(loop)])
-
-    def share(self, loop: Loop) -> Array:
-        """Return the force of all elements over F_k, (n,)."""
-        return sum(self._each(loop), np.zeros(loop.x.size)) / (self.F_k or 1.0)
-
-    def _each(self, loop: Loop) -> Iterator[Array]:
-        """Yield the force of each element, N."""
-        fallen = 1.0 + self.fall * np.exp(-((loop.v / self.v_S) ** 2))
-        for r, kappa in zip(self.r * loop.load, self.kappa, strict=True):
-            z = play(loop.x, loop.through, r + self.g, self.n, (r * fallen + self.g) / (r + self.g))
-            yield kappa * np.sign(z) * np.maximum(np.abs(z) - self.g, 0.0)
+def share_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of all elements of a contact in the motion of a loop over F_k, (n,)."""
+    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
+    return np.asarray(contact.kappa @ z / (contact.F_k or 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,14 +99,14 @@ class LoopFit:
     design: Design = field(repr=False)
     extensions: Sequence[str] | None
     shape: Mapping[str, float]
-    contact: Contact
+    contact: Sliders
     linear: Mapping[str, float]
     drifts: Array
     values: dict[str, float]
     errors: dict[str, float]
     covariance: Array
     freedom: int
-    without: Sequence[tuple[Contact, Mapping[str, float]]] = field(repr=False)
+    without: Sequence[tuple[Sliders, Mapping[str, float]]] = field(repr=False)
     models: tuple[Array, ...]
     total: float
     slipping: float
@@ -165,7 +147,7 @@ class LoopFit:
         of = {"k": loop.x, **motions_of(loop)}
         linear = sum(p * of[name] for name, p in self.linear.items())
         return np.asarray(
-            loop.f - drift * loop.t - self.contact.F_k * self.contact.share(loop) - linear
+            loop.f - drift * loop.t - self.contact.F_k * share_of(self.contact, loop) - linear
         )
 
     def loss(self, loop: Loop, X: Array) -> tuple[Array, Array]:
@@ -177,10 +159,10 @@ class LoopFit:
         return W[0], np.sqrt(np.diag(_covariance(W[1:])))
 
 
-def lost(loop: Loop, contact: Contact, linear: Mapping[str, float]) -> Array:
+def lost(loop: Loop, contact: Sliders, linear: Mapping[str, float]) -> Array:
     """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
     damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
-    return loop.by_cycle(contact.F_k * contact.share(loop) + damped * loop.v)
+    return loop.by_cycle(contact.F_k * share_of(contact, loop) + damped * loop.v)
 
 
 def motions_of(loop: Loop) -> dict[str, Array]:
@@ -229,9 +211,9 @@ class Design:
         means = [(np.bincount(self.cycle, row) / count)[self.cycle] for row in rows]
         return np.asarray((rows - means).reshape(np.shape(values)))
 
-    def share(self, contact: Contact) -> Array:
+    def share(self, contact: Sliders) -> Array:
         """Return the force of a contact over its F_k in all loops, (n,)."""
-        return self.stacked([contact.share(loop) for loop in self.loops])
+        return self.stacked([share_of(contact, loop) for loop in self.loops])
 
     def by_block(self, left: Array) -> Array:
         """Return the sum of squares of each block, (blocks,)."""
@@ -310,12 +292,12 @@ class Slider:
 
         self.shape = self._searched(cost, shape)
 
-    def contact(self, shape: Mapping[str, float], F_k: float = 1.0) -> Contact:
+    def contact(self, shape: Mapping[str, float], F_k: float = 1.0) -> Sliders:
         """Return the contact of a shape."""
         X, Z = self.design.X, self.design.X * shape["Z"]
         speed = self.design.fastest * shape["v_S"]
         r, kappa = np.array([Z]), np.array([F_k / Z])
-        return Contact(r, kappa, X * shape["g"], shape["fall"], speed, shape["n"])
+        return Sliders(r, kappa, X * shape["g"], shape["fall"], speed, shape["n"])
 
     def shape_at(self, at: Array, shape: Mapping[str, float]) -> dict[str, float]:
         """Return a shape whose free parameters are at these values, logarithms of some."""
@@ -365,7 +347,7 @@ class Slider:
         names, n = ["k", *self.linear], p.size - len(self.linear)
         places = [1, *range(n, p.size)]
 
-        def found(change: Array) -> tuple[Contact, dict[str, float]]:
+        def found(change: Array) -> tuple[Sliders, dict[str, float]]:
             shape = self.shape_at(at + change[p.size :], self.shape)
             linear = dict(zip(names, (p + change[: p.size])[places].tolist(), strict=True))
             return self.contact(shape, float(p[0] + change[0])), linear
@@ -414,8 +396,8 @@ def fit_gradual(
     x, *drifts = design.base
     linear = ["c"] * design.with_c
     damper = [design.motions[name] for name in linear]
-    unit = Contact(r, 1.0 / r)
-    z = design.stacked([unit.forces(loop) for loop in design.loops])
+    unit = Sliders(r, 1.0 / r)
+    z = design.stacked([forces(unit, loop) for loop in design.loops])
     A = np.array([*design.centred(z), x, *damper, *drifts]).T
     positive = count + 1 + len(damper)
     scale = np.sqrt(np.mean(A**2, axis=0)) + 1e-300
@@ -437,8 +419,8 @@ def fit_gradual(
     p = solved(G, y)
     out = np.array([solved(G - g, y - s) for g, s in zip(grams, sides, strict=True)])
 
-    def found(p: Array) -> tuple[Contact, dict[str, float]]:
-        return Contact(r, p[:count] / r), dict(
+    def found(p: Array) -> tuple[Sliders, dict[str, float]]:
+        return Sliders(r, p[:count] / r), dict(
             zip(["k", *linear], p[count:positive].tolist(), strict=True)
         )
 
@@ -457,7 +439,7 @@ def fit_gradual(
     )
 
 
-def _numbers(contact: Contact, linear: Mapping[str, float]) -> dict[str, float]:
+def _numbers(contact: Sliders, linear: Mapping[str, float]) -> dict[str, float]:
     """Return the numbers of a contact by symbol."""
     extra = {"g": contact.g, "F_S": contact.fall * contact.F_k, "v_S": contact.v_S, "n": contact.n}
     free = {"g": contact.g != 0.0, "n": math.isfinite(contact.n)}
@@ -468,8 +450,8 @@ def _numbers(contact: Contact, linear: Mapping[str, float]) -> dict[str, float]:
 def _made(
     design: Design,
     own: tuple[Sequence[str] | None, Mapping[str, float], Array],
-    found: tuple[Contact, Mapping[str, float]],
-    without: Sequence[tuple[Contact, Mapping[str, float]]],
+    found: tuple[Sliders, Mapping[str, float]],
+    without: Sequence[tuple[Sliders, Mapping[str, float]]],
     model: Array,
     moved: Array,
     slipping: float,

@@ -16,9 +16,9 @@ from numba import cuda as numba_cuda
 from numba.core import config
 
 from ..arrays import Array, Codes
+from ..jit import for_device
 from ..model import Parameters
 from .integrals import Measures, write_measures
-from .jit import for_device
 from .steady import NO_CLOSED_FORM, solve_closed
 
 Solver = Callable[[Sequence[Array]], tuple[Array, Codes]]

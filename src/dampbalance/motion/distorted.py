@@ -14,11 +14,11 @@ import math
 import numpy as np
 
 from ..arrays import Array, Complexes
+from ..jit import jit
 from ..model import Parameters, parameters
 from .events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase, write_phase
 from .flow import harmonic_response, step_response, unit
 from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
-from .jit import jit
 from .orbit import NoSteadyOrbit, Orbit
 from .regime import Regime
 

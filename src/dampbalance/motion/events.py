@@ -11,9 +11,9 @@ from __future__ import annotations
 import math
 
 from ..arrays import Array
+from ..jit import jit
 from ..model import Parameters
 from .flow import Phase, move, phase_start, unit
-from .jit import jit
 
 PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
 """Columns of an array of phases, a row for the start of each: time, state of the contact, x, ẋ, z."""

@@ -26,8 +26,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ..jit import jit
 from ..model import Parameters
-from .jit import jit
 
 _SERIES_BELOW = 0.2  # of (Ω + δ) t: twelve terms of the Taylor series are then exact to rounding
 _CRITICAL_BELOW = 1e-3  # of |δ² − Ω²| t²: four terms of the series in it are then exact to rounding

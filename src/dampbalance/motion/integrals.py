@@ -18,10 +18,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..jit import jit
 from ..model import Parameters
 from .events import PHASE_V, PHASE_X, PHASE_Z, locate, read_phase
 from .flow import Phase, inverse, move, phase_start, unit
-from .jit import jit
 
 _UNDAMPED_BELOW = 1e-3  # of 2δt
 _CANCELLED_BELOW = 1e-2  # of ∫ ẋ² beside the same integral of the forced motion

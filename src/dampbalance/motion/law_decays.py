@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..jit import jit
 from ..model import Parameters
 from .events import contact_state, write_phase
 from .flow import step_response
-from .jit import jit
 from .unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 
 ADDED = ("c_2", "k_3", "falling", "falling_speed", "gradual")

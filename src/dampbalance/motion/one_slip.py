@@ -19,10 +19,10 @@ from __future__ import annotations
 
 import math
 
+from ..jit import jit
 from ..model import Parameters
 from .events import MOST_RADIANS
 from .flow import Phase, harmonic_response, phase_start, step_response, unit
-from .jit import jit
 
 _MAX_NEWTON = 40
 _TOLERANCE = 4e-15  # of log |p|/Y: a few units of rounding

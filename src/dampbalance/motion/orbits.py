@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from ..arguments import instance, numbers, one_of, whole
 from ..arrays import Array, Codes
+from ..jit import jit
 from ..model import UNITS, Oscillator, Parameters, named_with_unit
 from .events import MOST_RADIANS
 from .integrals import Measures, write_measures
-from .jit import jit
 from .orbit import SHOWN_FIRST, axis_label, in_words, symbol
 from .regime import Regime
 from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_otherwise

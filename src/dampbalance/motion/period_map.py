@@ -20,10 +20,10 @@ import math
 import numpy as np
 
 from ..arrays import Array
+from ..jit import jit
 from ..model import Parameters
 from .events import MOST_RADIANS, PHASE_S, PHASE_T, PHASE_X, run
 from .flow import step_response
-from .jit import jit
 
 _MAX_MAPS = 4000  # half periods; Newton's method takes ten or so
 _CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s

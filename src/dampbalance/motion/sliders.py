@@ -24,10 +24,10 @@ from numpy.typing import ArrayLike
 
 from ..arguments import instance, numbers
 from ..arrays import Array
+from ..jit import jit
 from ..model import BaseMotion, Oscillator, Parameters, parameters
 from .events import MOST_RADIANS, PHASE_S, PHASE_T, PHASE_X, PHASE_Z, leaving
 from .flow import Phase, move, step_response, unit
-from .jit import jit
 from .mirrored import mirrored_state, reversal
 from .orbit import NoSteadyOrbit
 from .states import State

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..jit import jit
 from ..model import Parameters
 from .events import PHASE_T, read_phase
 from .flow import move, phase_start, unit
-from .jit import jit
 
 
 class State(NamedTuple):

@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from ..arrays import Array
+from ..jit import jit
 from ..model import Parameters
 from .events import MOST_RADIANS, PHASE_T, write_phase
-from .jit import jit
 from .one_slip import solve_one_slip
 from .period_map import solve_general
 from .regime import Regime

@@ -15,11 +15,11 @@ import math
 import numpy as np
 
 from ..arrays import Array, Complexes, Integers
+from ..jit import jit
 from ..model import Parameters
 from .events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase
 from .flow import unit
 from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
-from .jit import jit
 from .regime import Regime
 
 _RADIANS = 4.0  # radians of the fastest of Ω, 2δ and ω: a series so long loses two digits at most

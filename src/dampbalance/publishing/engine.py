@@ -25,8 +25,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from .. import jit
 from ..model import Parameters
-from ..motion import jit
 from ..motion.integrals import measure
 from ..motion.states import states_in_phases
 from ..motion.steady import solve_closed, solve_otherwise

@@ -33,8 +33,8 @@ import numpy as np
 
 from ..arguments import instance, number, one_of, whole
 from ..arrays import Array
+from ..jit import jit
 from ..model import BaseMotion, Oscillator, Parameters, parameters
-from ..motion.jit import jit
 from .record import SimulatedRecord
 
 MIN_STICK_SAMPLES = 20

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
+from ..jit import jit
 from ..motion.integrals import wrapped
-from ..motion.jit import jit
 
 PROMINENCE = 10.0
 """Ratio of the largest second difference of the acceleration to its median that counts as a break of slope.

@@ -22,9 +22,9 @@ from typing import Any, TypeVar, cast
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-_PACKAGE = Path(__file__).parents[1]
+_PACKAGE = Path(__file__).parent
 _OTHERS = (
-    *("arguments", "arrays", "model", "fit/climb", "records/equal_steps"),
+    *("arguments", "arrays", "jit", "model", "fit/climb", "law/contact", "records/equal_steps"),
     *(f"replication/{name}" for name in ("fixed_step", "record", "sampled")),
 )
 _LOCK = threading.RLock()

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import dampbalance
-import dampbalance.motion.jit
+import dampbalance.jit
 from processes import output_of
 from rooms import FACE, MODULES, PACKAGE, graph, reached
 
@@ -22,21 +22,22 @@ SOURCE = Path(dampbalance.__file__).parent
 
 # Two kernels in two files, as small as can be: those of the package take seconds to compile.
 CALLED = """
-from .jit import jit
+from ..jit import jit
 @jit
 def doubled(x):
     return 2.0 * x
 """
 CALLING = """
+from ..jit import jit
 from .called import doubled
-from .jit import jit
 @jit
 def doubled_and_one(x):
     return doubled(x) + 1.0
 """
 PROGRAM = """
 import json
-from dampbalance.motion import calling, jit
+from dampbalance import jit
+from dampbalance.motion import calling
 kernel = calling.doubled_and_one.dispatcher
 print(json.dumps({
     "value": kernel(3.0), "hits": sum(kernel.stats.cache_hits.values()),
@@ -88,8 +89,8 @@ def test_an_edit_of_a_called_kernel_takes_effect(package):
 
 
 def digest_of(package, monkeypatch):
-    monkeypatch.setattr(dampbalance.motion.jit, "_PACKAGE", package)
-    return dampbalance.motion.jit._source_digest()
+    monkeypatch.setattr(dampbalance.jit, "_PACKAGE", package)
+    return dampbalance.jit._source_digest()
 
 
 def test_digest_follows_every_module_that_kernels_are_made_of(package, monkeypatch):
@@ -124,10 +125,10 @@ def block(path):
 @pytest.fixture
 def chosen_folder(package, monkeypatch, tmp_path):
     """The function that chooses where kernels go, for the copy of the package, with a home of its own."""
-    monkeypatch.setattr(dampbalance.motion.jit, "_PACKAGE", package)
+    monkeypatch.setattr(dampbalance.jit, "_PACKAGE", package)
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    return dampbalance.motion.jit._cache_folder
+    return dampbalance.jit._cache_folder
 
 
 def test_a_package_that_cannot_be_written_to_uses_the_users_cache(
@@ -154,8 +155,8 @@ def test_without_any_place_to_write_kernels_still_compile(
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setattr(Path, "home", no_home)
     assert chosen_folder() is None
-    monkeypatch.setattr(dampbalance.motion.jit, "_folder", lambda: None)
-    assert dampbalance.motion.jit.jit(lambda x: 3.0 * x)(2.0) == 6.0
+    monkeypatch.setattr(dampbalance.jit, "_folder", lambda: None)
+    assert dampbalance.jit.jit(lambda x: 3.0 * x)(2.0) == 6.0
 
 
 @pytest.mark.skipif(
@@ -174,19 +175,19 @@ def test_numba_is_left_as_it_was(monkeypatch, tmp_path):
     from numba.core import config
 
     monkeypatch.setattr(config, "CACHE_DIR", "somewhere")
-    monkeypatch.setattr(dampbalance.motion.jit, "_folder", lambda: tmp_path)
-    assert dampbalance.motion.jit.jit(lambda x: 2.0 * x)(3.0) == 6.0
+    monkeypatch.setattr(dampbalance.jit, "_folder", lambda: tmp_path)
+    assert dampbalance.jit.jit(lambda x: 2.0 * x)(3.0) == 6.0
     assert config.CACHE_DIR == "somewhere"
 
 
 def in_words(chosen_folder, monkeypatch, capsys, stream="err"):
     """What a process says that looks for the cache folder for the first time."""
-    monkeypatch.setattr(dampbalance.motion.jit, "_cache_folder", chosen_folder)
-    dampbalance.motion.jit._folder.cache_clear()
+    monkeypatch.setattr(dampbalance.jit, "_cache_folder", chosen_folder)
+    dampbalance.jit._folder.cache_clear()
     try:
-        dampbalance.motion.jit._folder()
+        dampbalance.jit._folder()
     finally:
-        dampbalance.motion.jit._folder.cache_clear()
+        dampbalance.jit._folder.cache_clear()
     return getattr(capsys.readouterr(), stream)
 
 
@@ -210,8 +211,8 @@ def test_threads_share_one_dispatcher(monkeypatch):
         made.append(function)
         return function
 
-    monkeypatch.setattr(dampbalance.motion.jit, "_compiled", slowly)
-    kernel = dampbalance.motion.jit.jit(lambda x: x + 1.0)
+    monkeypatch.setattr(dampbalance.jit, "_compiled", slowly)
+    kernel = dampbalance.jit.jit(lambda x: x + 1.0)
     with ThreadPoolExecutor(4) as pool:
         assert list(pool.map(kernel, [1.0, 2.0, 3.0, 4.0])) == [2.0, 3.0, 4.0, 5.0]
     assert len(made) == 1
