@@ -1,41 +1,50 @@
 """Contact, damping, stiffness and mass from steady responses to a harmonic force, with intervals; which contact it is.
 
-The equations and the fit are those of `stiffness_lines.py`. Intervals come from replicates of the lines about the law.
+Equations and unknowns are those of `stiffness_lines.py`. The errors of the lines are what the law leaves of them; a
+gradual contact is a tenth as smooth as the prediction of levels that are left out asks for, so that its bias is below
+the noise.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy import special
 
 from ..arrays import Array, Complexes
 from ..findings.finding import Finding
-from ..law.contact import Sliders, secant
+from ..law.contact import Sliders
+from ..law.terms import FRICTION, term
 from ..signals.one_thread import one_thread
+from .fit import Fit
 from .goodness import as_good
+from .parameters import Parameter, Parameters
 from .stiffness_lines import (
-    LESS,
+    NODES,
     Contact,
-    ContactEstimate,
-    Design,
     Misfit,
-    SteppedLines,
-    StiffnessRows,
-    estimated,
+    StiffnessLines,
+    StiffnessProblem,
     stiffness_part,
 )
 
-_REPEATS = 3  # of the errors of changed lines, which start from those of the fit
-_FIRST_ERROR = 0.05  # of Z, where the iteration of errors starts
+_SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
+_LESS = 0.1  # part of the smoothing that predicts best
+_LEVELS = 4  # from which on levels are left out to choose it
+_RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
+_ITERATIONS = 4  # of the errors of the lines
+_REPEATS = 3  # of those of changed lines, which start from those of the fit
+_FIRST_ERROR = 0.05  # of Z, where the iteration starts
 _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
-_DRAWS = 200  # of intervals, which know a standard error to 5 %, in a tenth of a second
-_SEED = 2010  # of these, so that the same lines give the same bytes
-_NORMAL, _CHI_SQUARE = 1.96, 3.84  # of intervals of 95 %
+_STIFFEST = 1e10  # of |Z|: a contact that stands for a rigid one
+_DRAWS, _SEED = 200, 2010  # of replicates; the same lines give the same bytes
+REPLICATES = True
 _COMPARED = 3  # levels, at least
 _WORDS = {
     "none": "no contact",
@@ -43,6 +52,7 @@ _WORDS = {
     "gradual": "a contact that yields gradually",
 }
 _FALSE_ALARMS = 0.05  # of a gradual contact where one slider is the truth
+_SPRING = ("k", "m", "k_3")
 
 
 class Band(NamedTuple):
@@ -53,56 +63,53 @@ class Band(NamedTuple):
     high: Array
 
 
-class _Draws(NamedTuple):
-    """The law that replicates are drawn about, and these: linear unknowns by name, (1 + B,), sliders, (1 + B, j)."""
-
-    linear: Mapping[str, Array]
-    r: Array
-    kappa: Array
-
-
 @dataclass(frozen=True, eq=False)
-class ContactFit:
-    """A contact and an oscillator identified from stepped lines.
+class ContactFit(Fit):
+    """A contact and an oscillator identified from lines of dynamic stiffness.
 
-    contact, terms : of the law.
-    values : k, m, k_3, R and the coefficients of the terms, SI units, the given ones too.
-    r, kappa : sliders, m and N/m, (j,).
-    errors, intervals : standard errors and intervals of 95 % of what is not given, of F_k and K_z, and of the r of one
-    slider. The upper end of K_z is infinite where the amplitudes are so large that lines tell only a lower limit.
-    residuals : (loss of the law)/W − 1, (n,).   misfit : root mean squares.
-    X_range : amplitudes that were seen, m.
-    smoothing : weight of the smoothness of κ.
-    shown : where k is given, that of the lines if it is free and the χ² that it saves.
-    replicates : by name, about the law first, (1 + B,).
+    problem : a `StiffnessProblem`.   covariance : with the square of the bias that smoothing causes; it is not
+    subtracted, as it is uncertain itself.
     """
 
-    contact: Contact
-    terms: tuple[str, ...]
-    values: Mapping[str, float]
-    r: Array
-    kappa: Array
-    errors: Mapping[str, float]
-    intervals: Mapping[str, tuple[float, float]]
-    residuals: Array
-    misfit: Misfit
-    X_range: tuple[float, float]
-    smoothing: float
-    shown: tuple[float, float] | None
-    design: Design = field(repr=False)
-    draws: _Draws = field(repr=False)
-    replicates: Mapping[str, Array] = field(repr=False)
+    @property
+    def contact(self) -> Contact:
+        """The contact of the law."""
+        contact: Contact = self.problem.contact
+        return contact
+
+    @property
+    def terms(self) -> tuple[str, ...]:
+        """Terms of the damping, the contact apart."""
+        return tuple(n for n in self.parameters.names if n not in (*_SPRING, *_OF_CONTACT))
+
+    @property
+    def given(self) -> dict[str, float]:
+        """Values that are given, SI units."""
+        return {p.name: p.value for p in self.parameters if not p.free}
+
+    @property
+    def values(self) -> dict[str, float]:
+        """k, m, k_3, R and the coefficients of the terms, SI units, the given ones too."""
+        return {
+            p.name: p.value for p in self.parameters if p.name not in (FRICTION, "rho", "kappa")
+        }
+
+    @cached_property
+    def all_sliders(self) -> Sliders:
+        """Sliders of the contact, those that slip at no amplitude seen, too."""
+        sliders: Sliders = self.problem.sliders(self.point)
+        return sliders
 
     @property
     def sliders(self) -> Sliders:
         """Those that slip at the amplitudes seen."""
-        slips = self.r < self.X_range[1]
-        return Sliders(self.r[slips], self.kappa[slips])
+        every, slips = self.all_sliders, self.all_sliders.r < self.X_range[1]
+        return Sliders(every.r[slips], every.kappa[slips])
 
     @property
     def stuck(self) -> float:
         """Stiffness of the contact that slips at none of the amplitudes seen, N/m; 0 unless k is given."""
-        return float(np.sum(self.kappa)) - self.K_z
+        return self.all_sliders.K_z - self.K_z
 
     @property
     def K_z(self) -> float:
@@ -114,15 +121,80 @@ class ContactFit:
         """Friction force of the contact that yields at the amplitudes seen, N."""
         return self.sliders.F_k
 
+    @cached_property
+    def X_range(self) -> tuple[float, float]:
+        """Amplitudes that were seen, m."""
+        X = self.problem.mode(self.point).X
+        return float(X.min()), float(X.max())
+
+    @cached_property
+    def misfit_of_lines(self) -> Misfit:
+        """Distance of the lines from the law."""
+        misfit: Misfit = self.problem.misfit(self.point)
+        return misfit
+
+    @cached_property
+    def residuals(self) -> Array:
+        """(loss of the law)/W − 1 of each line, (n,)."""
+        mode = self.problem.mode(self.point)
+        return np.asarray(self.problem.law(self.point, mode).imag / mode.Z.imag - 1.0)
+
+    @cached_property
+    def slopes(self) -> dict[str, Array]:
+        """Derivatives of the numbers that are not given, F_k and K_z among them, by the unknowns, (p,) each."""
+        unit = np.eye(len(self.parameters))
+        found = {
+            p.name: row
+            for p, row in zip(self.parameters, unit, strict=True)
+            if p.free and p.name not in ("rho", "kappa")
+        }
+        if self.contact == "gradual":
+            kappa, r = np.array(self.parameters.names) == "kappa", self.all_sliders.r
+            for name, power in (("K_z", 0), (FRICTION, 1)):
+                of = (r**power * (r < self.X_range[1])) @ self.problem.spread
+                found[name] = np.zeros(len(self.parameters))
+                found[name][kappa] = of
+        elif self.contact == "one slider":
+            rho = self.parameters.places["rho"]
+            found["K_z"] = -2.0 * self.value("rho") ** -3 * unit[rho]
+        return found
+
+    @property
+    def _t(self) -> float:
+        return float(special.stdtrit(self.freedom, 0.975))
+
+    @cached_property
+    def errors(self) -> dict[str, float]:
+        """Standard errors of these numbers."""
+        return {name: math.sqrt(by @ self.covariance @ by) for name, by in self.slopes.items()}
+
+    @cached_property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Intervals of 95 % of these numbers. The upper end of K_z is infinite where lines tell only a lower limit."""
+        at = {**self.values, FRICTION: self.F_k, "K_z": self.K_z}
+        ends = {}
+        for name, error in self.errors.items():
+            low = at[name] - self._t * error
+            ends[name] = low if name == "R" else max(low, 0.0), at[name] + self._t * error
+        if self.contact == "one slider":  # by that of ρ
+            low, high = self.interval("rho")
+            ends["K_z"] = high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
+        return ends
+
+    def covariance_of(self, names: Sequence[str]) -> Array:
+        """Return the covariance of numbers by name."""
+        by = np.array([self.slopes[name] for name in names]).reshape(len(names), self.point.size)
+        return np.asarray(by @ self.covariance @ by.T)
+
     def loss(self, X: Array | float, omega: Array | float) -> Band:
         """Return the energy lost per cycle at amplitudes X, m, and angular frequencies, rad/s, with its interval, J,
         each (n,).
 
         Raises ValueError outside of the amplitudes seen.
         """
-        X = self._inside(X)
-        omega = np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape)
-        return self._band(X, omega, self.terms, lambda Z: math.pi * X**2 * Z.imag)
+        Z, reach = self._law(X, omega, np.imag)
+        size = math.pi * np.atleast_1d(X) ** 2
+        return Band(size * Z, size * (Z - reach), size * (Z + reach))
 
     def stiffness(self, X: Array | float, omega: Array | float = 0.0) -> Band:
         """Return the stiffness of the fundamental, k + ¾k_3X² − mω² + Σ κ Re D, at amplitudes X, m, with its interval,
@@ -133,9 +205,41 @@ class ContactFit:
 
         Raises ValueError outside of the amplitudes seen.
         """
-        X = self._inside(X)
-        omega = np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape)
-        return self._band(X, omega, ("k", "k_3", "m"), lambda Z: Z.real)
+        Z, reach = self._law(X, omega, np.real)
+        return Band(Z, Z - reach, Z + reach)
+
+    def _law(self, X: Array | float, omega: Array | float, part: Any) -> tuple[Array, Array]:
+        """Return a part of Z by the law, and half of its interval, N/m, (n,) each."""
+        X = np.atleast_1d(np.asarray(X, dtype=np.float64))
+        low, high = self.X_range
+        if not (X.min() >= low * (1.0 - 1e-9) and X.max() <= high * (1.0 + 1e-9)):
+            raise ValueError(
+                f"the law is fitted to amplitudes from {low:.4g} to {high:.4g} m, got {X.min():.4g} to "
+                f"{X.max():.4g} m: keep within them, or measure there"
+            )
+        there = self.problem.on(X, np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape))
+        values = np.where(np.isin(self.parameters.names, ("R", "delay")), 0.0, self.point)
+        rows = there.slopes(values, self.parameters.free)
+        rows[:, there.solved] = there.rows(values)[: there.samples]
+        by = part(rows[: X.size] + 1j * rows[X.size :])
+        error = np.sqrt(np.einsum("ni,ij,nj->n", by, self.covariance, by))
+        return np.asarray(part(there.law(values))), self._t * error
+
+    @cached_property
+    def shown(self) -> tuple[float, float] | None:
+        """Where k is given, that of the lines if it is free and the χ² that it saves, with the errors of that fit.
+
+        A gradual contact holds a slider that sticks: with it, only a k that is too large is contradicted.
+        """
+        if "k" not in self.given:
+            return None
+        free = self.problem.start.freed("k").at(self.point)
+        free = replace(free, low=np.where(np.array(free.keys) == "k", 0.0, free.low))
+        more = _estimated(replace(self.problem, start=free), _ITERATIONS)
+        held = more.start.held("k").moved(k=self.value("k"))
+        less = replace(more, start=held)
+        chi = [np.sum(p.residual(p.solve(p.ends([p.climbed]).values)) ** 2) for p in (less, more)]
+        return more.start["k"].value, float(chi[0] - chi[1])
 
     @one_thread
     def changed(self, Z: Complexes, X: float = 1.0, **given: float) -> dict[str, float]:
@@ -145,71 +249,26 @@ class ContactFit:
 
         Z, X : factors of each Z, (n,), and of all amplitudes.   given : values instead of those that are given.
         """
-        own, size, residual = self.design.rows, np.abs(Z), "R" in self.values
-        known = {**own.given, **given}
-        stiffness = own.stiffness and known["k"]
-        rows = replace(
-            own,
-            lines=replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z),
-            given=known,
-            stiffness=stiffness,
-            parts={name: stiffness_part(name, own.lines.omega, stiffness) for name in own.parts},
-            sigma=size * own.sigma,
-            R=own.R / float(np.mean(size)),
+        own = self.problem
+        lines = replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z)
+        start = own.start.at(self.point).moved(**given)
+        k = given.get("k", own.k)
+        problem = replace(
+            own, lines=lines, start=start, k=k, sigma=np.abs(Z) * own.sigma, nodes=X * own.nodes
         )
-        design = replace(self.design, rows=rows, nodes=X * self.design.nodes)
         for _ in range(_REPEATS):
-            found = ContactEstimate(
-                design, design.solve(rows.target, self.smoothing), self.smoothing
-            )
-            rows = replace(rows, sigma=found.scatter(residual))
-            found = replace(found, design=replace(design, rows=rows))
-            design = _with_R(found) if residual else found.design
-        point, largest = design.solve(rows.target, self.smoothing), rows.mode.X.max()
-        slips = Sliders(*(of[point.r < largest] for of in (point.r, point.kappa)))
-        free = dict(zip(rows.free, point.linear.tolist(), strict=True))
-        return free | {"K_z": slips.K_z, "F_k": slips.F_k}
-
-    def _inside(self, X: Array | float) -> Array:
-        X = np.atleast_1d(np.asarray(X, dtype=np.float64))
-        low, high = self.X_range
-        if not (X.min() >= low * (1.0 - 1e-9) and X.max() <= high * (1.0 + 1e-9)):
-            raise ValueError(
-                f"the law is fitted to amplitudes from {low:.4g} to {high:.4g} m, got {X.min():.4g} to "
-                f"{X.max():.4g} m: keep within them, or measure there"
-            )
-        return X
-
-    @one_thread
-    def _band(
-        self, X: Array, omega: Array, names: Sequence[str], of: Callable[[Complexes], Array]
-    ) -> Band:
-        names = [name for name in names if name in self.values]
-        columns = [stiffness_part(name, omega, self.design.rows.stiffness) for name in names]
-        parts = np.array([size * X**power for size, power in columns])
-        drawn = self.draws
-        given = {name: np.full(len(drawn.r), self.values[name]) for name in names}
-        values = np.array(
-            [[self.values[name], *drawn.linear.get(name, given[name])] for name in names]
-        )
-        r, kappa = np.vstack([self.r, drawn.r]), np.vstack([self.kappa, drawn.kappa])
-        alike = bool((r == r[0]).all())  # as of a gradual contact, with its nodes
-        Z = kappa @ secant(X, r[0]).T if alike else kappa * secant(X, r[:, 0]).T
-        all_Z = of(Z + values.T @ parts) if names else of(Z)
-        return Band(all_Z[0], *_interval(all_Z[0], all_Z[1:]))
+            problem = replace(problem, start=problem.ends([problem.climbed]))
+            problem = replace(problem, sigma=problem.scatter(problem.start.values)[0])
+        found = _fit(replace(problem, start=problem.ends([problem.climbed])))
+        return found.values | {"K_z": found.K_z, FRICTION: found.F_k}
 
 
-def _interval(value: Array, drawn: Array) -> tuple[Array, Array]:
-    """Return interval of 95 % from replicates along the first axis, after the law that they are drawn about: by their
-    standard deviation and by their bias, which smoothing causes; it is not subtracted, as it is uncertain itself."""
-    bias = np.mean(drawn[1:], axis=0) - drawn[0]
-    half = _NORMAL * np.hypot(np.std(drawn[1:], axis=0, ddof=1), bias)
-    return value - half, value + half
+_OF_CONTACT = (FRICTION, "rho", "kappa", "R", "delay")
 
 
 @one_thread
 def fit_contact(
-    lines: SteppedLines,
+    lines: StiffnessLines,
     *,
     contact: Contact,
     terms: Sequence[str] = ("c",),
@@ -234,140 +293,155 @@ def fit_contact(
 
     Raises ValueError for lines that do not determine the unknowns.
     """
-    rows = _asked(lines, contact, terms, given or {}, stiffness, mass, hardening)
-    return _fitted(estimated(rows, contact, residual), tuple(terms), residual)
+    asked = _asked(lines, contact, terms, given or {}, stiffness, mass, hardening, residual)
+    return _fit(_estimated(asked))
 
 
 def _asked(
-    lines: SteppedLines,
+    lines: StiffnessLines,
     contact: Contact,
     terms: Sequence[str],
     given: Mapping[str, float],
     stiffness: float | None,
     mass: float | None,
     hardening: bool,
-) -> StiffnessRows:
-    """Return rows of what was asked for, with the errors to start from. Raises ValueError."""
-    low, high = lines.X.min(), lines.X.max()
-    alike = high < _ALIKE * low
+    residual: bool,
+) -> StiffnessProblem:
+    """Return the problem of what was asked for, with the errors to start from. Raises ValueError."""
+    low, high = float(lines.X.min()), float(lines.X.max())
+    alike, largest = high < _ALIKE * low, float(np.abs(lines.Z).max())
     if contact != "none" and alike:
         raise ValueError(
             f"the amplitudes of all lines are alike, {low:.4g} to {high:.4g} m, and a contact shows only in changes "
             "with the amplitude: add levels of excitation"
         )
+    for name in terms:
+        _require_told(name, stiffness)
     own = {"k": stiffness, "m": mass} | {name: given.get(name) for name in terms}
-    free = [name for name, value in own.items() if value is None]
-    free += ["k_3"] * (hardening and not alike)
-    known = {name: value for name, value in own.items() if value is not None}
-    parts = {name: stiffness_part(name, lines.omega, stiffness) for name in (*own, "k_3")}
-    first = _FIRST_ERROR * np.abs([lines.Z] * 2)
-    rows = StiffnessRows(lines, tuple(free), known, stiffness, parts, first)
-    unknowns = len(free) + {"none": 0, "one slider": 2, "gradual": 6}[contact]
-    if 2 * lines.X.size < unknowns + 2:
+    own |= {"k_3": None} if hardening and not alike else {}
+    unknowns = [Parameter(s, v or 0.0, low=0.0, free=v is None) for s, v in own.items()]
+    if contact == "one slider":
+        rigid = (_STIFFEST * largest) ** -0.5
+        unknowns += [Parameter(FRICTION, 0.0, low=0.0, scale=1e-3 * largest * low)]
+        unknowns += [Parameter("rho", largest**-0.5, low=rigid, scale=rigid)]
+    nodes = np.geomspace(0.1 * low, high, NODES * (contact == "gradual"))
+    # where k is free, a slider that no line moves is a part of it
+    count = nodes.size + (contact == "gradual" and stiffness is not None)
+    unknowns += [Parameter("kappa", 0.0, low=0.0, group=str(1 + i)) for i in range(count)]
+    unknowns += [Parameter("R", 0.0, scale=1e-2 / largest)] * residual
+    sigma = np.abs([lines.Z] * 2) * (_FIRST_ERROR if lines.error is None else lines.error)
+    start, k = Parameters.of(unknowns), stiffness or 1.0
+    problem = StiffnessProblem(lines, start, contact, sigma, k, nodes=nodes)
+    free = [p.name for p in unknowns if p.free and p.name not in _OF_CONTACT]
+    count = len(free) + {"none": 0, "one slider": 2, "gradual": 6}[contact]
+    if 2 * lines.X.size < count + 2:
         raise ValueError(
-            f"{lines.X.size} lines are too few for {unknowns} unknowns: add lines or levels, or state stiffness or mass"
+            f"{lines.X.size} lines are too few for {count} unknowns: add lines or levels, or state stiffness or mass"
         )
-    columns = rows.linear / np.linalg.norm(rows.linear, axis=0)
+    columns = problem.weighted(
+        np.array([stiffness_part(name, lines, k) for name in free]).T, start.values
+    )
+    columns = columns / np.linalg.norm(columns, axis=0)
     if free and np.linalg.svd(columns, compute_uv=False)[-1] < _SINGULAR:
         raise ValueError(
             f"the lines do not separate {', '.join(free)}: add lines at other frequencies or levels, or state "
             "stiffness or mass"
         )
-    return rows
+    return problem
 
 
-def _fitted(found: ContactEstimate, terms: tuple[str, ...], residual: bool) -> ContactFit:
-    """Return the estimate with its intervals, from replicates of the lines about a law that is smoothed less still."""
-    rows, point, contact = found.rows, found.point, found.design.contact
-    design = _with_R(found) if residual else found.design
-    about = design.solve(rows.target, LESS * found.smoothing)
-    law = rows.weighted(rows.law(about) - rows.known)
-    targets = law + _noise(law.size)
-    points = [about, *design.solve_each(targets, found.smoothing)]
-    draws = _Draws(
-        dict(zip(rows.free, np.array([one.linear for one in points]).T, strict=True)),
-        np.array([one.r for one in points]),
-        np.array([one.kappa for one in points]),
-    )
-    reach = rows.mode.X
-    values = dict(rows.given) | dict(zip(rows.free, point.linear.tolist(), strict=True))
-    estimates, drawn = {name: values[name] for name in rows.free}, dict(draws.linear)
-    if residual:
-        laws = np.array([rows.weighted(rows.law(one) - rows.known) for one in points])
-        values["R"] = estimates["R"] = rows.R
-        change = _of_receptance(found)
-        drawn["R"] = rows.R + (np.vstack([law, targets]) - laws) @ change / float(change @ change)
-    if contact != "none":
-        for name, power in (("K_z", 0), ("F_k", 1)):
-            parts = [one.kappa * one.r**power * (one.r < reach.max()) for one in (point, draws)]
-            estimates[name], drawn[name] = float(np.sum(parts[0])), np.sum(parts[1], axis=1)
-    if contact == "one slider":
-        estimates["r"], drawn["r"] = float(point.r[0]), draws.r[:, 0]
-    intervals = {}
-    for name, of in drawn.items():
-        low, high = (float(end) for end in _interval(np.array(estimates[name]), of))
-        intervals[name] = (low if name == "R" else max(low, 0.0), high)
-    if contact == "one slider":
-        near = design.with_each_slider(rows.target)
-        best = min(one.chi_square for one in (*near, design.solve(rows.target)))
-        allowed = [one.chi_square < best + _CHI_SQUARE for one in near]
-        if allowed[0]:
-            lowest = min(float(one.kappa[0]) for one, may in zip(near, allowed, strict=True) if may)
-            intervals["K_z"] = (lowest, math.inf)
-    return ContactFit(
-        contact,
-        terms,
-        values,
-        point.r,
-        point.kappa,
-        {name: float(np.std(of[1:], ddof=1)) for name, of in drawn.items()},
-        intervals,
-        rows.law(point).imag / rows.mode.Z.imag - 1.0,
-        rows.misfit(point),
-        (float(reach.min()), float(reach.max())),
-        found.smoothing,
-        _of_k(found, residual),
-        design,
-        draws,
-        drawn,
-    )
+def _require_told(name: str, stiffness: float | None) -> None:
+    """Raise ValueError for a term that lines do not tell."""
+    of = term(name)
+    if of.force is None:
+        raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
+    if of.linear and of.force(0.0, 1.0, 1.0, 1.0):
+        raise ValueError(
+            f"{name} acts against the base, whose motion the lines do not contain: use c"
+        )
+    if stiffness is None and of.force(1.0, 0.0, 2.0, 1.0) != of.force(1.0, 0.0, 1.0, 1.0):
+        raise ValueError(f"the force of {name} depends on the spring: state stiffness")
 
 
-def _noise(size: int) -> Array:
-    """Return standard normal errors of the rows of replicates, (_DRAWS, size)."""
-    return np.random.default_rng(_SEED).standard_normal((_DRAWS, size))
+def _estimated(problem: StiffnessProblem, steps: int = _ITERATIONS) -> StiffnessProblem:
+    """Return the problem with its unknowns where they are likeliest, its smoothing and its errors iterated; with one
+    step, those of the lines are kept."""
+    smoothing = problem.smoothing or _LESS * float(np.median(_SMOOTHINGS))
+    problem = replace(problem, smoothing=smoothing * (problem.contact == "gradual"))
+    starts = _starts(problem)
+    for step in range(steps):
+        problem = replace(problem, start=problem.ends(starts))
+        if problem.contact == "gradual":
+            problem = _smoothed(problem)
+        if step < steps - 1:
+            problem = replace(problem, sigma=problem.scatter(problem.start.values)[0])
+            starts = [problem.climbed]
+    return problem
 
 
-def _of_k(found: ContactEstimate, residual: bool) -> tuple[float, float] | None:
-    """Return where k is given, that of the same contact with k free and the χ² that it saves, with the errors of that
-    fit.
-
-    A gradual contact holds a slider that sticks: with it, only a k that is too large is contradicted.
-    """
-    own = found.rows
-    if "k" not in own.given:
-        return None
-    others = {name: value for name, value in own.given.items() if name != "k"}
-    asked = replace(own, free=("k", *own.free), given=others, R=0.0)
-    free = estimated(asked, found.design.contact, residual)
-    best = _with_R(free) if residual else free.design
-    held = replace(best, rows=replace(free.rows, free=own.free, given=own.given))
-    less, more = (one.solve(one.rows.target, free.smoothing) for one in (held, best))
-    return float(more.linear[0]), less.chi_square - more.chi_square
+def _starts(problem: StiffnessProblem) -> list[Parameters]:
+    """Return where climbs start: each R, and the best slider with it."""
+    most, each = _LARGEST_RECEPTANCE / float(np.abs(problem.lines.Z).max()), [problem.climbed]
+    if "R" in problem.start:
+        tried = np.linspace(-most, most, _RECEPTANCES)
+        each = [problem.climbed.moved(R=R) for R in tried.tolist()]
+    if problem.contact == "one slider":
+        each = [one.at(problem.with_sliders(one.values)[0]) for one in each]
+    each = [one.at(problem.solve(one.values)) for one in each]
+    chi_square = [float(np.sum(problem.residual(one.values) ** 2)) for one in each]
+    return [each[i] for i in np.argsort(chi_square, kind="stable")[:3]]
 
 
-def _with_R(found: ContactEstimate) -> Design:
-    """Return the design with R among its unknowns."""
-    change = _of_receptance(found)
-    return replace(found.design, direction=change / np.linalg.norm(change))
+def _smoothed(problem: StiffnessProblem) -> StiffnessProblem:
+    """Return the problem with the smoothing that levels, or generalised cross-validation where they are few, ask for,
+    solved."""
+    rough = [replace(problem, smoothing=smoothing) for smoothing in _SMOOTHINGS.tolist()]
+    if len(problem.lines.names) >= _LEVELS:
+        scores = [float(np.mean([one.score for one in _held_out(of)])) for of in rough]
+    else:
+        scores = [_generalised(of) for of in rough]
+    best = replace(problem, smoothing=_LESS * float(_SMOOTHINGS[int(np.argmin(scores))]))
+    return replace(best, start=best.start.at(best.solve(best.start.values)))
 
 
-def _of_receptance(found: ContactEstimate) -> Array:
-    """Change of the rows of the law, less those measured, with R, (2n,)."""
-    step = 1e-4 / float(np.abs(found.rows.lines.Z).max())
-    sides = [replace(found.rows, R=found.rows.R + sign * step) for sign in (-1.0, 1.0)]
-    low, high = (side.weighted(side.law(found.point) - side.mode.Z) for side in sides)
-    return np.asarray((high - low) / (2.0 * step))
+def _generalised(problem: StiffnessProblem) -> float:
+    """Return χ² over the square of the degrees of freedom that are left."""
+    values = problem.solve(problem.start.values)
+    A = problem.rows(values)[:, values[problem.solved] > 0.0]
+    A = A / np.linalg.norm(A, axis=0)
+    own = A[: problem.samples]
+    freedom = problem.samples - float(np.trace(np.linalg.pinv(A.T @ A) @ (own.T @ own)))
+    return float(np.sum(problem.residual(values) ** 2)) / max(freedom, 1e-9) ** 2
+
+
+def _held_out(problem: StiffnessProblem) -> list[Misfit]:
+    """Return misfit of each level to the law of the others."""
+    levels = [problem.lines.level == of for of in range(len(problem.lines.names))]
+    found = []
+    for own in levels:
+        others = problem[~own]
+        start = others.climbed.held("R") if "R" in others.start else others.climbed
+        if not own.all():
+            found.append(problem[own].misfit(others.ends([start]).values))
+    return found
+
+
+def _fit(problem: StiffnessProblem) -> ContactFit:
+    """Return the fit where the unknowns of a problem are."""
+    values = problem.start.values
+    by = problem.by_rows(values)
+    covariance = by @ by.T
+    if problem.contact == "gradual":
+        about = replace(problem, smoothing=_LESS * problem.smoothing).solve(values)
+        moved = problem.residual(about)
+        if REPLICATES:
+            random = np.random.default_rng(_SEED).standard_normal((_DRAWS, moved.size))
+            covariance = np.cov(problem.refitted(moved + random)[0].T)
+        bias = problem.refitted(moved[None])[0][0] - about
+        covariance += np.outer(bias, bias)
+    chi_square = float(np.sum(problem.residual(values) ** 2))
+    freedom = problem.samples - np.count_nonzero(problem.used(values))
+    return ContactFit(problem.start, covariance, chi_square, max(float(freedom), 1.0), problem)
 
 
 @dataclass(frozen=True, eq=False)
@@ -413,16 +487,16 @@ class ContactComparison:
 
     def finding(self) -> Finding:
         """Return which contact it is, and what does not distinguish it from others."""
-        chosen = self[self.supported]
-        loss, stiffness = chosen.fit.misfit[:2]
+        chosen = self[self.supported].fit
+        loss, stiffness = chosen.misfit_of_lines[:2]
         numbers: dict[str, Any] = {
-            "contact": _WORDS[chosen.fit.contact],
-            "terms": tuple(chosen.fit.terms),
+            "contact": _WORDS[chosen.contact],
+            "terms": chosen.terms,
             **{"loss": loss, "stiffness": stiffness, "others": self.indistinguishable},
         }
         if self.supported in ("one slider", "gradual"):
             numbers |= {"p": self.p, "tested": True, "enough": self.supported == "one slider"}
-        others = [(name, self[name].fit.misfit) for name in self.by_stiffness]
+        others = [(name, self[name].fit.misfit_of_lines) for name in self.by_stiffness]
         numbers["stiffer"] = tuple(
             Finding("other contact", {"contact": name, "loss": of.loss, "stiffness": of.in_phase})
             for name, of in others
@@ -432,14 +506,7 @@ class ContactComparison:
 
 @one_thread
 def compare_contacts(
-    lines: SteppedLines,
-    *,
-    terms: Sequence[str] = ("c",),
-    given: Mapping[str, float] | None = None,
-    stiffness: float | None = None,
-    mass: float | None = None,
-    hardening: bool = True,
-    residual: bool = False,
+    lines: StiffnessLines, *, terms: Sequence[str] = ("c",), **options: Any
 ) -> ContactComparison:
     """Compare no contact, with damping up to a cubic one, a single slider and a gradual contact.
 
@@ -462,25 +529,19 @@ def compare_contacts(
     }
     laws = dict(sorted([*laws.items(), ("one slider", ("one slider", tuple(terms)))], key=_size))
     laws["gradual"] = ("gradual", tuple(terms))
-    asked = {
-        name: _asked(lines, contact, of, given or {}, stiffness, mass, hardening)
-        for name, (contact, of) in laws.items()
-    }
-    own = {name: estimated(asked[name], laws[name][0], residual) for name in laws}
-    sigma = own["gradual"].rows.sigma
-    alike = {
-        name: estimated(replace(rows, sigma=sigma), laws[name][0], residual, steps=1)
-        for name, rows in asked.items()
-    }
-    trials = [
-        ContactTrial(
-            name,
-            _fitted(own[name], laws[name][1], residual),
-            tuple(found.held_out(found.smoothing)),
-        )
-        for name, found in alike.items()
-    ]
-    p = _one_slider_is_enough(alike["one slider"], alike["gradual"], residual)
+    options = {
+        "given": {},
+        "stiffness": None,
+        "mass": None,
+        "hardening": True,
+        "residual": False,
+    } | options
+    asked = {n: _asked(lines, contact, of, **options) for n, (contact, of) in laws.items()}
+    own = {name: _estimated(problem) for name, problem in asked.items()}
+    sigma = own["gradual"].sigma
+    alike = {n: _estimated(replace(own[n], sigma=sigma), steps=1) for n in laws}
+    trials = [ContactTrial(n, _fit(own[n]), tuple(_held_out(alike[n]))) for n in laws]
+    p = _one_slider_is_enough(alike["one slider"], alike["gradual"])
     best = min(trials, key=lambda trial: float(np.mean(trial.scores())))
     good = [trial for trial in trials if trial.as_good_as(best)]
     supported = good[0].name
@@ -502,19 +563,12 @@ def compare_contacts(
     )
 
 
-def _one_slider_is_enough(one: ContactEstimate, gradual: ContactEstimate, residual: bool) -> float:
+def _one_slider_is_enough(one: StiffnessProblem, gradual: StiffnessProblem) -> float:
     """Return probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
-    designs = [
-        (_with_R(found) if residual else found.design, found.smoothing) for found in (one, gradual)
-    ]
-    law = one.rows.weighted(one.rows.law(one.point) - one.rows.mode.Z)
-    moved = np.vstack([np.zeros(law.size), law + _noise(law.size)])
-    of_one, of_many = (
-        np.array(
-            [point.chi_square for point in design.solve_each(design.rows.target + moved, smoothing)]
-        )
-        for design, smoothing in designs
-    )
+    law = one.residual(one.start.values)
+    random = np.random.default_rng(_SEED).standard_normal((_DRAWS, law.size))
+    moved = np.vstack([np.zeros(law.size), law + random])
+    of_one, of_many = (np.sum(of.refitted(moved)[1] ** 2, axis=1) for of in (one, gradual))
     gain = of_one - of_many
     return float(1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
 

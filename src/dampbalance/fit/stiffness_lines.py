@@ -1,53 +1,59 @@
-"""Lines of steady responses to a harmonic force, and the contact and oscillator of largest likelihood.
+"""Lines of dynamic stiffness: steady responses at some frequencies and amplitudes, and what a contact and an oscillator
+leave of them.
 
-Each line is a complex number, the dynamic stiffness Z = (F/X)e^{iφ}, φ the lag of x behind the force F:
+Each line is a complex number, the dynamic stiffness Z = (F/X)e^{iφ}, φ the lag of x behind the force F, of a table of a
+stepped sine or of the fundamental of a forced record, F = kY:
 
-    Z = k + ¾k_3X² − mω² + i Σ p g_p/(πX²) + Σ κ_j D(X/r_j)
+    Z = k + ¾k_3X² − mω² + i Σ p g_p/(πX²) + Σ κ_j D(r_j/X)
 
-with the integrals g_p of the terms (`law/terms.py`) and the secant D of a slider (`law/contact.py`). The imaginary part
-is the energy balance πX² Im Z = πFX sin φ, Eq. (14) of Liang & Feeny (2010), the real part the in-phase row, which a
-contact lowers with the amplitude. Where the driven point moves with other modes, too, their residual receptance R
-changes what is measured:
+with the integrals g_p of the terms (`law/terms.py`) and the describing function D of a contact (`law/contact.py`). The
+imaginary part is the energy balance πX² Im Z = πFX sin φ, Eq. (14) of Liang & Feeny (2010), the real part the in-phase
+row, which a contact lowers with the amplitude. Channels read it otherwise: a delay τ of the response turns it, and
+where the driven point moves with other modes, too, their residual receptance R changes it:
 
-    1/Z_measured = 1/Z + R,    X = X_measured |1 − R Z_measured|
+    1/Z_measured = e^{−iωτ}/Z + R,    X = X_measured |1 − R Z_measured|
 
-All unknowns are linear and not negative, except R and the r of a single slider, which are profiled. κ of a gradual
-contact is piecewise linear over ln r, and as smooth as the prediction of levels that are left out asks for.
+Unknowns that are linear and not negative are solved for at each step of a climb in the others: F_k and ρ = K_z^{−1/2}
+of one slider, k_3 where a spring may soften, τ and R. κ of a gradual contact is piecewise linear over ln r, and as
+smooth as it is asked to be.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy import optimize
 
 from ..arrays import Array, Complexes, Integers, Mask
-from ..law.contact import secant
-from ..law.terms import FRICTION, term
+from ..law.contact import Sliders, secant
+from ..law.terms import FRICTION, KNOWN_TERMS
+from .multistart import climb_on
+from .parameters import Parameters
 
 Contact = Literal["none", "one slider", "gradual"]
 
-_NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
+_LINEAR = {"k", "m", "k_3", *KNOWN_TERMS} - {FRICTION}  # unknowns
+
+NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
 _LOWEST = 0.1  # r of its first node, of the smallest amplitude, at which it is felt
-_RIGID, _PROFILE = 1e-3, 120  # smallest r of one slider, likewise; how many are tried
 # Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
 _GROWTH = 0.5
-_SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
-# A part of the smoothing that predicts best: its bias is then below the noise, and intervals hold what they say.
-LESS = 0.1
-_LEVELS = 4  # from which on levels are left out to choose it
-_RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
-_ITERATIONS, _MULTIPLIED = 4, 60
-_FLOOR = 1e-9  # of |Z|: scatter of lines without noise
+_TRIED, _RIGID = (
+    60,
+    1e-3,
+)  # r of one slider to start from, and the smallest, of the smallest amplitude
+_SOFTEST = 1e-9  # of |Z|: a contact that is none
+_STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
+_MULTIPLIED, _FLOOR = 60, 1e-9  # of the scatter: updates; least, of |Z|, of lines without noise
 
 
 @dataclass(frozen=True, eq=False)
-class SteppedLines:
+class StiffnessLines:
     """Steady responses to a harmonic force, one line each.
 
     omega : rad/s, (n,).   X : displacement amplitude, m, (n,).   Z : (F/X)e^{iφ}, N/m, (n,), φ the lag of the
@@ -62,7 +68,7 @@ class SteppedLines:
     names: tuple[str, ...]
     error: Array | None = None
 
-    def __getitem__(self, kept: Mask) -> SteppedLines:
+    def __getitem__(self, kept: Mask) -> StiffnessLines:
         """Some of the lines."""
         parts = {
             name: values[kept]
@@ -71,10 +77,22 @@ class SteppedLines:
         }
         return replace(self, **parts)
 
-    def of_mode(self, R: float) -> SteppedLines:
-        """Return the lines without the residual receptance R, m/N, of the other modes."""
+    def of_mode(self, R: float = 0.0, delay: float = 0.0) -> StiffnessLines:
+        """Return the lines without the residual receptance R, m/N, of the other modes, and a delay, s."""
         ratio = 1.0 - R * self.Z
-        return replace(self, X=self.X * np.abs(ratio), Z=self.Z / ratio)
+        turned = self.Z * np.exp(-1j * self.omega * delay)
+        return replace(self, X=self.X * np.abs(ratio), Z=turned / ratio)
+
+
+def stiffness_part(name: str, lines: StiffnessLines, k: float) -> Complexes:
+    """Return the part of Z by a linear unknown of unit size, N/m, (n,)."""
+    omega, X = lines.omega, lines.X
+    if name in KNOWN_TERMS:
+        Y, phi = np.abs(lines.Z) * X / k, np.angle(lines.Z)  # of a base that drives
+        g = KNOWN_TERMS[name].harmonic(omega, X, Y, phi, k)
+        return np.asarray(1j * g / (math.pi * X**2))
+    sizes = {"k": 1.0, "m": -(omega**2), "k_3": 0.75 * X**2}
+    return np.zeros(X.size, dtype=np.complex128) + sizes[name]
 
 
 class Misfit(NamedTuple):
@@ -95,402 +113,311 @@ class Misfit(NamedTuple):
         return 0.5 * (self.loss_score + self.in_phase_score)
 
 
-StiffnessPart: TypeAlias = "tuple[Complexes, float]"
-"""Part of Z by an unknown of unit size: its value at an amplitude of 1 m and the frequency of each line, (n,), and the
-power of the amplitude with which it grows."""
-
-_SPRING_PARTS: Mapping[str, tuple[Callable[[Array], Array], float]] = {
-    "k": (np.ones_like, 0.0),
-    "m": (lambda omega: -(omega**2), 0.0),
-    "k_3": (lambda omega: np.full_like(omega, 0.75), 2.0),
-}
-
-
-def stiffness_part(name: str, omega: Array, stiffness: float | None) -> StiffnessPart:
-    """Return the part of Z by an unknown of unit size. Raises ValueError for a term that lines do not tell."""
-    if name in _SPRING_PARTS:
-        size, power = _SPRING_PARTS[name]
-        return np.asarray(size(omega) + 0j), power
-    of = term(name)
-    if of.force is None:
-        raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
-    if of.linear and of.force(0.0, 1.0, 1.0, 1.0):
-        raise ValueError(
-            f"{name} acts against the base, whose motion the lines do not contain: use c"
-        )
-    if stiffness is None and of.force(1.0, 0.0, 2.0, 1.0) != of.force(1.0, 0.0, 1.0, 1.0):
-        raise ValueError(f"the force of {name} depends on the spring: state stiffness")
-    loss = of.harmonic(omega, 1.0, 0.0, 0.0, stiffness or 1.0)
-    return np.asarray(1j * loss / math.pi), of.order - 1.0
-
-
-@dataclass(frozen=True, eq=False)
-class Point:
-    """Unknowns, and χ².   linear : coefficients of the free ones.   nodes : κ at the nodes.   r, kappa : sliders."""
-
-    linear: Array
-    nodes: Array
-    r: Array
-    kappa: Array
-    chi_square: float
-
-
-@dataclass(frozen=True, eq=False)
-class StiffnessRows:
-    """Rows of the real and the imaginary part of each line in standard errors, for one residual receptance.
-
-    lines : as measured.   free, given : unknowns that are linear, and those whose value is given.
-    parts : of Z, by each of them.
-    sigma : standard errors of the real and the imaginary part of each measured Z, N/m, (2, n).
-    """
-
-    lines: SteppedLines
-    free: tuple[str, ...]
-    given: Mapping[str, float]
-    stiffness: float | None
-    parts: Mapping[str, StiffnessPart]
-    sigma: Array
-    R: float = 0.0
-
-    def __getitem__(self, kept: Mask) -> StiffnessRows:
-        parts = {name: (size[kept], power) for name, (size, power) in self.parts.items()}
-        return replace(self, lines=self.lines[kept], parts=parts, sigma=self.sigma[:, kept])
-
-    @cached_property
-    def mode(self) -> SteppedLines:
-        """The lines of the mode, without R."""
-        return self.lines.of_mode(self.R) if self.R else self.lines
-
-    def measured(self, Z: Complexes) -> Complexes:
-        """Return changes of the measured Z by those of the mode's, (n, …)."""
-        return np.asarray(((1.0 - self.R * self.lines.Z) ** 2 * Z.T).T)
-
-    def weighted(self, Z: Complexes) -> Array:
-        """Return columns (n, …) of the mode's Z as rows of the measured, (2n, …)."""
-        Z = self.measured(Z)
-        return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
-
-    def columns(self, names: Sequence[str]) -> Complexes:
-        """Return the parts of Z by unknowns of unit size, (n, p)."""
-        X = self.mode.X
-        columns = [size * X**power for size, power in map(self.parts.__getitem__, names)]
-        return np.array(columns).reshape(len(names), X.size).T
-
-    @cached_property
-    def known(self) -> Complexes:
-        """The part of Z by the given unknowns, (n,)."""
-        return self.columns(tuple(self.given)) @ np.array(list(self.given.values()))
-
-    @cached_property
-    def linear(self) -> Array:
-        """Rows of the free unknowns, (2n, p)."""
-        return self.weighted(self.columns(self.free))
-
-    @cached_property
-    def target(self) -> Array:
-        """Rows of the measured Z without what is given, (2n,)."""
-        return self.weighted(self.mode.Z - self.known)
-
-    def law(self, point: Point) -> Complexes:
-        """Return Z of the mode by a law."""
-        linear = self.columns(self.free) @ point.linear
-        return np.asarray(self.known + linear + secant(self.mode.X, point.r) @ point.kappa)
-
-    def misfit(self, point: Point) -> Misfit:
-        """Return the distance of the lines from a law."""
-        Z, law = self.mode.Z, self.law(point)
-        both = law.imag / Z.imag - 1.0, law.real - Z.real
-        in_phase, quadrature = np.split(self.weighted(law - Z), 2)
-        loss, stiffness = (math.sqrt(np.mean(one**2)) for one in both)
-        return Misfit(loss, stiffness, float(np.mean(quadrature**2)), float(np.mean(in_phase**2)))
-
-
 def _nnls(A: Array, y: Array) -> Array:
     """Return coefficients ≥ 0 of least squares."""
     size = np.linalg.norm(A, axis=0)
     size[size == 0.0] = 1.0
-    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * A.shape[1])[0] / size)
+    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * max(A.shape[1], 1))[0] / size)
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
-    """The rows of a contact, for one R or, near it, with R among the unknowns.
+class StiffnessProblem:
+    """Residuals (model − data)/σ of the real, then of the imaginary parts of lines, as functions of the unknowns.
 
-    nodes : r at which κ of a gradual contact is an unknown, m, or those that are tried for a single slider.
-    direction : change of the rows with R, of length one, (2n,); all rows lose their part along it where R is free.
+    lines : as measured.   start : the unknowns: k, m, k_3, terms, F_k and rho or kappa, delay and R, those that there
+    are.   contact : of the model.   sigma : standard errors of the parts of each measured Z, N/m, (2, n).
+    k : of the spring, N/m, for what it drives, and for the stiffness itself where that is no unknown.
+    of : lines to which an unknown of a group belongs.   nodes : r at which κ of a gradual contact is an unknown, m.
+    smoothing : weight of the second differences of κ.   added : to the Z of the model, N/m, (n,).
     """
 
-    rows: StiffnessRows
+    lines: StiffnessLines
+    start: Parameters
     contact: Contact
-    nodes: Array
-    direction: Array | None = None
+    sigma: Array
+    k: float
+    of: Mapping[str, Mask] = field(default_factory=dict)
+    nodes: Array = field(default_factory=lambda: np.empty(0))
+    smoothing: float = 0.0
+    added: Complexes | float = 0.0
 
-    @classmethod
-    def of(cls, rows: StiffnessRows, contact: Contact) -> Design:
-        """Return the design with the grid of r that the amplitudes of the lines ask for."""
-        low, high = rows.mode.X.min(), rows.mode.X.max()
-        if contact == "one slider":
-            return cls(rows, contact, np.geomspace(_RIGID * low, high, _PROFILE + 1)[:-1])
-        nodes = np.geomspace(_LOWEST * low, high, _NODES * (contact == "gradual"))
-        return cls(rows, contact, nodes)
+    def __getitem__(self, kept: Mask) -> StiffnessProblem:
+        """The problem of some of the lines."""
+        of = {key: mask[kept] for key, mask in self.of.items()}
+        added = self.added if isinstance(self.added, float) else self.added[kept]
+        return replace(self, lines=self.lines[kept], sigma=self.sigma[:, kept], of=of, added=added)
 
-    def without_R(self, A: Array) -> Array:
-        """Return rows without their part along the change with R, where R is free."""
-        b = self.direction
-        return A if b is None else A - np.multiply.outer(b, b @ A)
+    def on(self, X: Array, omega: Array) -> StiffnessProblem:
+        """Return the problem of lines at other amplitudes, m, and frequencies, rad/s, (n,) each."""
+        ones, level = np.ones(X.size), np.zeros(X.size, dtype=np.intp)
+        lines = StiffnessLines(omega, X, ones + 0j, level, ("",))
+        return replace(self, lines=lines, sigma=np.array([ones, ones]))
+
+    @property
+    def samples(self) -> int:
+        """Number of data."""
+        return 2 * self.lines.X.size
 
     @cached_property
-    def stuck(self) -> bool:
-        """Whether a slider that no line moves is an unknown: where k is free, it is a part of k."""
-        return self.contact == "gradual" and "k" not in self.rows.free
+    def solved(self) -> Mask:
+        """Which unknowns are linear and not negative, (p,)."""
+        linear = np.array([name in ("kappa", *_LINEAR) for name in self.start.names])
+        one_sided = (self.start.low >= 0.0) & np.isinf(self.start.high)
+        return np.asarray(linear & self.start.free & one_sided)
+
+    @cached_property
+    def climbed(self) -> Parameters:
+        """The unknowns, with those free that are not solved for."""
+        return replace(self.start, free=self.start.free & ~self.solved)
+
+    @cached_property
+    def _kappa(self) -> list[int]:
+        return [i for i, name in enumerate(self.start.names) if name == "kappa"]
+
+    @cached_property
+    def _friction(self) -> list[int]:
+        return [i for i, name in enumerate(self.start.names) if name == FRICTION]
+
+    # --- the contact --------------------------------------------------------------------------
 
     @cached_property
     def r(self) -> Array:
-        """Sliders, m: of a gradual contact, more between its nodes."""
-        if not self.nodes.size:
-            return self.nodes
-        at = np.arange((_NODES - 1) * _BETWEEN) / _BETWEEN
-        fine = np.exp(np.interp(at, np.arange(_NODES), np.log(self.nodes)))
-        return np.append(fine, self.nodes[-1:] if self.stuck else [])  # exact: it does not slip
+        """Deflections at which the sliders of a gradual contact slip, m: more of them between its nodes, and one that
+        no line moves where the last κ is its own."""
+        at = np.arange((NODES - 1) * _BETWEEN) / _BETWEEN
+        fine = np.exp(np.interp(at, np.arange(NODES), np.log(self.nodes)))
+        return np.append(fine, self.nodes[-1:] if len(self._kappa) > NODES else [])
 
     @cached_property
     def spread(self) -> Array:
-        """κ of the sliders by κ at the nodes, and of the one that is stuck."""
-        if not self.nodes.size:
-            return np.zeros((0, 0))
-        at = np.arange((_NODES - 1) * _BETWEEN + self.stuck) / _BETWEEN
-        hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(_NODES))), 0.0)
-        return np.hstack([hats, np.eye(at.size)[:, -1:]]) if self.stuck else hats
+        """κ of these sliders by the unknown κ at the nodes, and by that of the one that is stuck."""
+        stuck = len(self._kappa) > NODES
+        at = np.arange((NODES - 1) * _BETWEEN + stuck) / _BETWEEN
+        hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(NODES))), 0.0)
+        return np.hstack([hats, np.eye(at.size)[:, -1:]]) if stuck else hats
 
-    def sliders(self, r: Array) -> Array:
-        """Return rows of sliders of unit stiffness, (2n, j).   r : m, (j,)."""
-        return self.without_R(self.rows.weighted(secant(self.rows.mode.X, r)))
+    def sliders(self, values: Array) -> Sliders:
+        """Return the sliders of the contact; of one, the mean over its groups."""
+        if self.contact == "gradual":
+            return Sliders(self.r, self.spread @ values[self._kappa])
+        if self.contact == "none":
+            return Sliders(np.empty(0), np.empty(0))
+        F_k = float(np.mean(values[self._friction]))
+        kappa = values[self.start.places["rho"]] ** -2 * bool(F_k > 0.0)
+        return Sliders(np.array([F_k / kappa if kappa else math.inf]), np.array([kappa]))
+
+    # --- the model ----------------------------------------------------------------------------
+
+    def _value(self, values: Array, name: str) -> float:
+        return float(values[self.start.places[name]]) if name in self.start else 0.0
+
+    def mode(self, values: Array) -> StiffnessLines:
+        """Return the lines as the mode has them, without what the channels do."""
+        R, delay = self._value(values, "R"), self._value(values, "delay")
+        return self.lines.of_mode(R, delay) if R or delay else self.lines
 
     @cached_property
-    def linear(self) -> Array:
-        """Rows of the free unknowns, (2n, p)."""
-        return self.without_R(self.rows.linear)
+    def _as_read(self) -> Complexes:
+        return self._columns(self.lines)
 
-    @cached_property
-    def joined(self) -> Array:
-        """Rows of the free unknowns and of the nodes."""
-        return np.hstack([self.linear, self.sliders(self.r) @ self.spread])
+    def columns(self, mode: StiffnessLines) -> Complexes:
+        """Return the parts of Z by linear unknowns of unit size, N/m, (n, p)."""
+        return self._as_read if mode is self.lines else self._columns(mode)
+
+    def _columns(self, mode: StiffnessLines) -> Complexes:
+        out = np.zeros((mode.X.size, len(self.start)), dtype=np.complex128)
+        for i, (key, name) in enumerate(zip(self.start.keys, self.start.names, strict=True)):
+            if name in _LINEAR:
+                out[:, i] = stiffness_part(name, mode, self.k) * self.of.get(key, 1.0)
+        if self.contact == "gradual":
+            out[:, self._kappa] = secant(mode.X, self.r) @ self.spread
+        return out
+
+    def law(self, values: Array, mode: StiffnessLines | None = None) -> Complexes:
+        """Return Z of the mode by the model, N/m, (n,)."""
+        mode = mode or self.mode(values)
+        Z = self.columns(mode) @ values + self.added
+        if "k" not in self.start:
+            Z = Z + self.k
+        if self.contact == "one slider":
+            rho = self._value(values, "rho")
+            D = secant(mode.X, values[self._friction] * rho**2)
+            for i, at in enumerate(self._friction):
+                Z = Z + D[:, i] * self.of.get(self.start.keys[at], 1.0) * rho**-2
+        return np.asarray(Z)
+
+    def weighted(self, Z: Complexes, values: Array) -> Array:
+        """Return changes of the mode's Z, (n, …), as rows of the measured in standard errors, (2n, …)."""
+        R, delay = self._value(values, "R"), self._value(values, "delay")
+        if R or delay:
+            turn = np.exp(1j * self.lines.omega * delay)
+            Z = ((1.0 - R * self.lines.Z) ** 2 * turn * Z.T).T
+        return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
+
+    def residual(self, values: Array) -> Array:
+        """Return (model − data)/σ, (2n,)."""
+        mode = self.mode(values)
+        return self.weighted(self.law(values, mode) - mode.Z, values)
 
     @cached_property
     def roughness(self) -> Array:
-        """Second differences of κ r^{−1/2} over ln r, in units of the median column of a node."""
-        own, of = self.linear.shape[1], self.joined.shape[1]
-        size = float(np.median(np.linalg.norm(self.joined[:, own:], axis=0)))
-        second = np.diff(np.eye(_NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
-        rough = np.zeros((_NODES - 2, of))
-        rough[:, own : own + _NODES] = size * second
+        """Second differences of κ r^{−1/2} over ln r by the unknowns, in units of the median column of a node."""
+        if self.contact != "gradual" or not self.smoothing:
+            return np.zeros((0, len(self.start)))
+        nodes = self._kappa[:NODES]
+        own = self.weighted(self.columns(self.lines)[:, self._kappa], self.start.values)
+        size = float(np.median(np.linalg.norm(own, axis=0)))
+        rough = np.zeros((NODES - 2, len(self.start)))
+        second = np.diff(np.eye(NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
+        rough[:, nodes] = self.smoothing * size * second
         return rough
 
-    @cached_property
-    def reduced(self) -> tuple[Array, Array]:
-        """Orthonormal columns and the triangle of `joined`."""
-        q, triangle = np.linalg.qr(self.joined)
-        return q, triangle
+    def rows(self, values: Array) -> Array:
+        """Return rows of the solved unknowns of unit size, and those of the smoothing, (2n + s, p)."""
+        A = self.weighted(self.columns(self.mode(values))[:, self.solved], values)
+        return np.vstack([A, self.roughness[:, self.solved]])
 
-    def solve(self, target: Array, smoothing: float = 0.0) -> Point:
-        """Return the unknowns of largest likelihood for one right side.
+    def solve(self, values: Array) -> Array:
+        """Return the unknowns with those of largest likelihood that are solved for."""
+        return self._solved(values)[0]
 
-        smoothing : of a gradual contact, weight of the second differences.
-        """
-        y = self.without_R(target)
-        if self.contact == "one slider":
-            return self._one_slider(y)
-        q, triangle = self.reduced
-        on = q.T @ y
-        if self.contact == "gradual":
-            triangle = np.vstack([triangle, smoothing * self.roughness])
-            on = np.concatenate([on, np.zeros(_NODES - 2)])
-        p = _nnls(triangle, on)
-        own = self.linear.shape[1]
-        kappa = self.spread @ p[own:]
-        chi_square = float(np.sum((self.joined @ p - y) ** 2))
-        return Point(p[:own], p[own:], self.r, kappa, chi_square)
-
-    def solve_each(self, targets: Iterable[Array], smoothing: float = 0.0) -> list[Point]:
-        """Return the unknowns of largest likelihood for each of several right sides."""
-        return [self.solve(target, smoothing) for target in targets]
-
-    def with_slider(self, ln_r: float, target: Array) -> Point:
-        """Return the unknowns of largest likelihood with one slider of this r, m."""
-        r = np.exp([ln_r])
-        return self._with_slider(r, self.sliders(r), self.without_R(target))
-
-    def with_each_slider(self, target: Array) -> list[Point]:
-        """Return the unknowns of largest likelihood with each of the sliders that are tried."""
-        y, each = self.without_R(target), np.arange(self.nodes.size)[:, None]
-        return [self._with_slider(self.nodes[i], self.tried[:, i], y) for i in each]
-
-    def _with_slider(self, r: Array, column: Array, y: Array) -> Point:
-        A = np.hstack([self.linear, column])
+    def _solved(self, values: Array) -> tuple[Array, Array, Array]:
+        """Return the unknowns, the rows of those that are solved for and not zero, and the residual, smoothing
+        included."""
+        values = np.where(self.solved, 0.0, values)
+        A, smooth = self.rows(values), np.zeros(len(self.roughness))
+        y = -np.concatenate([self.residual(values), smooth])
         p = _nnls(A, y)
-        return Point(p[:-1], p[-1:], r, p[-1:], float(np.sum((A @ p - y) ** 2)))
+        values[self.solved] = p
+        return values, A[:, p > 0.0], A @ p - y
 
-    def _one_slider(self, y: Array) -> Point:
-        """Return the best r of those tried, polished between its neighbours."""
-        tried, free = np.log(self.nodes), np.ones(self.linear.shape[1], dtype=np.bool_)
-        for _ in range(2):  # again without the linear unknowns that are at their bound
-            q, across, inverse = self._across(tuple(free.tolist()))
-            along = across.T @ (y - q @ (q.T @ y))
-            best = int(np.argmax(np.maximum(along, 0.0) ** 2 * inverse))
-            found = self._with_slider(self.nodes[[best]], self.tried[:, [best]], y)
-            if found.linear.all():
-                break
-            free = found.linear > 0.0
-        polished = optimize.minimize_scalar(
-            lambda ln_r: self.with_slider(ln_r, y).chi_square,
-            bounds=(float(tried[max(best - 1, 0)]), float(tried[min(best + 1, tried.size - 1)])),
-            method="bounded",
-            options={"xatol": 1e-4},
+    def slopes(self, values: Array, free: Mask) -> Array:
+        """Return derivatives of the residual by unknowns that are not solved for, (2n, p), by central differences."""
+        steps = _STEP * np.maximum(np.abs(values), self.start.scale)
+        out = np.zeros((self.samples, values.size))
+        for j in np.flatnonzero(free & ~self.solved):
+            less, more = values.copy(), values.copy()
+            less[j], more[j] = values[j] - steps[j], values[j] + steps[j]
+            out[:, j] = (self.residual(more) - self.residual(less)) / (2.0 * steps[j])
+        return out
+
+    def products(self, values: Array, free: Mask, trail: Any, out: Array) -> bool:
+        """Set `out` to the products of derivatives and residuals, as `climb` takes them, with the linear unknowns
+        solved for."""
+        at, active, residual = self._solved(values)
+        whole = np.zeros((residual.size, values.size + 1))
+        whole[: self.samples, :-1], whole[:, -1] = self.slopes(at, free), residual
+        q = np.linalg.qr(active)[0]
+        whole[:, :-1] -= q @ (q.T @ whole[:, :-1])
+        np.matmul(whole.T, whole, out=out)
+        return bool(np.isfinite(out[-1, -1]))
+
+    def ends(self, starts: list[Parameters], **options: Any) -> Parameters:
+        """Return where the lowest of the climbs from some starts ends."""
+        each = [climb_on(self, start, **options) for start in starts]
+        best = min(filter(None, each), key=lambda end: end.chi_square)
+        return self.start.at(self.solve(best.point))
+
+    # --- where it starts, and what it leaves --------------------------------------------------
+
+    def with_sliders(self, values: Array) -> list[Array]:
+        """Return the unknowns with one slider of each r that is tried, the linear ones solved for, best first."""
+        mode = self.mode(values)
+        nothing = np.where(self.solved, 0.0, values)
+        nothing[self._friction] = 0.0
+        A, y = self.rows(nothing), -self.residual(nothing)
+        r = np.geomspace(_RIGID * mode.X.min(), mode.X.max(), _TRIED + 1)[:-1]
+        each = []
+        for r_j, column in zip(r, self.weighted(secant(mode.X, r), values).T, strict=True):
+            whole = np.column_stack([A, column])
+            p, at = _nnls(whole, y), nothing.copy()
+            kappa = max(p[-1], _SOFTEST * float(np.abs(mode.Z).max()))
+            at[self.solved], at[self._friction] = p[:-1], kappa * r_j
+            at[self.start.places["rho"]] = kappa**-0.5
+            each.append((float(np.sum((whole @ p - y) ** 2)), at))
+        return [at for _, at in sorted(each, key=lambda pair: pair[0])]
+
+    def misfit(self, values: Array) -> Misfit:
+        """Return the distance of the lines from a law."""
+        mode = self.mode(values)
+        Z, law = mode.Z, self.law(values, mode)
+        both = law.imag / Z.imag - 1.0, law.real - Z.real
+        in_phase, quadrature = np.split(self.weighted(law - Z, values), 2)
+        loss, stiffness = (math.sqrt(np.mean(one**2)) for one in both)
+        return Misfit(loss, stiffness, float(np.mean(quadrature**2)), float(np.mean(in_phase**2)))
+
+    def used(self, values: Array) -> Mask:
+        """Return the unknowns that a fit has, without κ that are zero, (p,)."""
+        nodes = np.zeros(values.size, dtype=np.bool_)
+        nodes[self._kappa] = True
+        return np.asarray(self.start.free & ~(nodes & (values <= 0.0)))
+
+    def by_rows(self, values: Array) -> Array:
+        """Return derivatives of the unknowns by the rows of the data in standard errors, (p, 2n)."""
+        used = self.used(values)
+        J = self.slopes(values, used)
+        J[:, self.solved] = self.rows(values)[: self.samples]
+        J, L = J[:, used], self.roughness[:, used]
+        size = np.linalg.norm(J, axis=0)
+        size[size == 0.0] = 1.0
+        out = np.zeros((values.size, self.samples))
+        inverse = np.linalg.pinv(np.vstack([J, L]) / size)[:, : self.samples]
+        out[used] = inverse / size[:, None]
+        return out
+
+    def refitted(self, moved: Array) -> tuple[Array, Array]:
+        """Return the unknowns of fits to changed data, (b, p), and their residuals, (b, 2n); what is not solved for is
+        linear there.   moved : changes of the data in standard errors, (b, 2n)."""
+        here = self.start.values
+        nothing, smooth = (
+            np.where(self.solved, 0.0, here),
+            np.zeros((len(moved), len(self.roughness))),
         )
-        points = (found, self.with_slider(float(polished.x), y))
-        return min(points, key=lambda point: point.chi_square)
+        J = self.slopes(here, self.start.free)
+        q = np.linalg.svd(J[:, np.any(J, axis=0)], full_matrices=False)[0]
+        A, y = self.rows(here), np.hstack([moved - self.residual(nothing), smooth])
+        n = self.samples
+        A[:n] -= q @ (q.T @ A[:n])
+        y[:, :n] -= (y[:, :n] @ q) @ q.T
+        columns, triangle = np.linalg.qr(A)
+        p = np.array([_nnls(triangle, on) for on in y @ columns])
+        values = np.tile(here, (len(moved), 1))
+        values[:, self.solved] = p
+        left = (moved - self.residual(nothing)) - p @ self.rows(here)[:n].T
+        values += left @ np.linalg.pinv(J).T
+        return values, (p @ A.T - y)[:, :n]
 
-    def _across(self, free: tuple[bool, ...]) -> tuple[Array, Array, Array]:
-        """Return orthonormal free columns; those of sliders without their part along these; inverse squares of the
-        rest."""
-        if free in self.kept:
-            return self.kept[free]
-        q, columns = np.linalg.qr(self.linear[:, list(free)])[0], self.tried
-        across = columns - q @ (q.T @ columns)
-        square, whole = (np.sum(A**2, axis=0) for A in (across, columns))
-        self.kept[free] = (
-            q,
-            across,
-            np.where(square > 1e-9 * whole, 1.0 / np.maximum(square, 1e-300), 0.0),
-        )
-        return self.kept[free]
+    def scatter(self, values: Array, freedom: Array | None = None) -> tuple[Array, Array]:
+        """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of
+        them, and which of the two kinds scatters more than its lines state, (2,).
 
-    @cached_property
-    def tried(self) -> Array:
-        """Rows of the sliders that are tried."""
-        return self.sliders(self.nodes)
+        Where lines state their errors, these count, or the errors of the fit times what each kind scatters by: the
+        larger of the two. Else Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part
+        of the loss, and one of the measurement; by largest likelihood (multiplicative updates).
 
-    @cached_property
-    def kept(self) -> dict[tuple[bool, ...], tuple[Array, Array, Array]]:
-        """Results of `_across`, by the columns that are free."""
-        return {}
-
-
-def _scatter(rows: StiffnessRows, left: Complexes, unknowns: int) -> Array:
-    """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of them.
-
-    Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part of the loss, and one of
-    the measurement; by largest likelihood (multiplicative updates). Where lines state their errors, these count, times
-    the factor by which the real or the imaginary parts scatter more than that.
-
-    left : law less measured, N/m, (n,).   unknowns : of the law.
-    """
-    # of the law, as the noise of measured values would bias the weights by its square
-    Z = rows.lines.Z + left
-    n, size = left.size, np.abs(Z) ** 2
-    squares = np.array([left.real**2, left.imag**2]) * (2.0 * n / max(2.0 * n - unknowns, 1.0))
-    if rows.lines.error is not None:
-        stated = np.broadcast_to(rows.lines.error**2 * size, (2, n))
-        factor = np.mean(squares / stated, axis=1, keepdims=True)
-        return np.sqrt(stated * np.maximum(factor, 1.0))
-    variances = []
-    own = (np.full(n, np.mean(size)), Z.imag**2)
-    for square, of_law in zip(squares, own, strict=True):
-        parts = np.array([of_law, size])
-        share = 0.5 * np.full(2, np.mean(square / size) + _FLOOR**2)
-        for _ in range(_MULTIPLIED):
-            variance = share @ parts + _FLOOR**2 * size
-            share *= (parts @ (square / variance**2)) / (parts @ (1.0 / variance))
-        variances.append(share @ parts + _FLOOR**2 * size)
-    return np.sqrt(variances)
-
-
-@dataclass(frozen=True, eq=False)
-class ContactEstimate:
-    """A fit: its rows with their errors and its design, the unknowns, and the smoothing."""
-
-    design: Design
-    point: Point
-    smoothing: float
-
-    @property
-    def rows(self) -> StiffnessRows:
-        """The rows of the fit."""
-        return self.design.rows
-
-    def scatter(self, residual: bool) -> Array:
-        """Return standard errors of the rows that its misfit shows, N/m, (2, n). residual : whether R is an unknown."""
-        own, point = self.rows, self.point
-        used = np.count_nonzero(np.concatenate([point.linear, point.nodes])) + residual
-        left = own.measured(own.law(point) - own.mode.Z)
-        return _scatter(own, left, int(used) + (self.design.contact == "one slider"))
-
-    def _part(self, kept: Mask) -> Design:
-        return Design(self.rows[kept], self.design.contact, self.design.nodes)
-
-    @cached_property
-    def _levels(self) -> list[tuple[Mask, Design]]:
-        """For each level: its lines, and the design of the others."""
-        masks = [self.rows.lines.level == of for of in range(len(self.rows.lines.names))]
-        return [(mask, self._part(~mask)) for mask in masks if not mask.all()]
-
-    def held_out(self, smoothing: float) -> list[Misfit]:
-        """Return misfit of each level to the law of the others."""
-        return [
-            self.rows[mask].misfit(others.solve(others.rows.target, smoothing))
-            for mask, others in self._levels
-        ]
-
-    def smoothed(self) -> ContactEstimate:
-        """Return the fit with the smoothing that levels, or generalised cross-validation where they are few, ask
-        for."""
-        if len(self._levels) >= _LEVELS:
-            scores = [np.mean([one.score for one in self.held_out(s)]) for s in _SMOOTHINGS]
-        else:
-            scores = [self._generalised(s) for s in _SMOOTHINGS]
-        smoothing = LESS * float(_SMOOTHINGS[int(np.argmin(scores))])
-        return ContactEstimate(
-            self.design, self.design.solve(self.rows.target, smoothing), smoothing
-        )
-
-    def _generalised(self, smoothing: float) -> np.floating:
-        """Return χ² over the square of the degrees of freedom that are left."""
-        point = self.design.solve(self.rows.target, smoothing)
-        active = np.concatenate([point.linear, point.nodes]) > 0.0
-        A, L = self.design.joined[:, active], smoothing * self.design.roughness[:, active]
-        size = np.linalg.norm(A, axis=0)
-        normal = (A / size).T @ (A / size)
-        used = np.trace(np.linalg.pinv(normal + (L / size).T @ (L / size)) @ normal)
-        return np.float64(point.chi_square / max(len(A) - float(used), 1e-9) ** 2)
-
-
-def estimated(
-    rows: StiffnessRows, contact: Contact, residual: bool, steps: int = _ITERATIONS
-) -> ContactEstimate:
-    """Return the fit of a contact, its errors iterated; with one step, those of the rows are kept."""
-    most = _LARGEST_RECEPTANCE / float(np.abs(rows.lines.Z).max())
-    tried = np.linspace(-most, most, _RECEPTANCES) if residual else np.zeros(1)
-    smoothing = LESS * float(np.median(_SMOOTHINGS))
-
-    def at(R: float) -> ContactEstimate:
-        design = Design.of(replace(rows, R=float(R)), contact)
-        return ContactEstimate(design, design.solve(design.rows.target, smoothing), smoothing)
-
-    for step in range(steps):
-        found = min(map(at, tried), key=lambda one: one.point.chi_square)
-        if residual:
-            R, gap = found.rows.R, float(tried[1] - tried[0])
-            polished = optimize.minimize_scalar(
-                lambda R: at(R).point.chi_square,
-                bounds=(R - gap, R + gap),
-                method="bounded",
-                options={"xatol": 1e-4 * most},
+        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns.
+        """
+        n = self.lines.X.size
+        left = self.residual(values).reshape(2, n) * self.sigma
+        if freedom is None:
+            freedom = np.full(2, max(n - 0.5 * np.count_nonzero(self.used(values)), 0.5))
+        share = n / freedom[:, None]
+        if self.lines.error is not None:
+            stated = np.broadcast_to(np.abs(self.lines.Z) * self.lines.error, (2, n))
+            scattered = self.sigma * np.sqrt(
+                np.mean((left / self.sigma) ** 2, axis=1, keepdims=True) * share
             )
-            found = at(polished.x)
-            tried = found.rows.R + gap * np.linspace(-1.0, 1.0, 5)
-        if contact == "gradual":
-            found = found.smoothed()
-            smoothing = found.smoothing
-        if step < steps - 1:
-            rows = replace(rows, sigma=found.scatter(residual))
-    return found
+            return np.maximum(scattered, stated), np.any(scattered > stated, axis=1)
+        # of the law, as the noise of measured values would bias the weights by its square
+        Z, squares = self.lines.Z + left[0] + 1j * left[1], left**2 * share
+        size, variances = np.abs(Z) ** 2, []
+        for square, own in zip(squares, (np.full(n, np.mean(size)), Z.imag**2), strict=True):
+            parts, shares = (
+                np.array([own, size]),
+                0.5 * np.full(2, np.mean(square / size) + _FLOOR**2),
+            )
+            for _ in range(_MULTIPLIED):
+                variance = shares @ parts + _FLOOR**2 * size
+                shares *= (parts @ (square / variance**2)) / (parts @ (1.0 / variance))
+            variances.append(shares @ parts + _FLOOR**2 * size)
+        return np.sqrt(variances), np.array([True, True])

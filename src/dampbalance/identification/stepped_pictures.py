@@ -13,12 +13,12 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from ..arrays import Array
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
 from ..fit.contacts import Band, ContactFit
-from ..fit.stiffness_lines import SteppedLines
+from ..fit.stiffness_lines import StiffnessLines
 from ..records.coordinate import Coordinate
 
 
 @styled()
-def loss(lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figure:
+def loss(lines: StiffnessLines, fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figure:
     """Return the energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and
     the law of each contact with its band of 95 %, at the median frequency."""
     omega = float(np.median(lines.omega))
@@ -30,7 +30,7 @@ def loss(lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordi
 
 @styled()
 def stiffness(
-    lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordinate
+    lines: StiffnessLines, fits: Mapping[str, ContactFit], coordinate: Coordinate
 ) -> Figure:
     """Return the stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with
     the mass m of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
@@ -63,7 +63,7 @@ def distribution(fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figu
 
 
 def _against_amplitude(
-    lines: SteppedLines,
+    lines: StiffnessLines,
     values: Array,
     fits: Mapping[str, ContactFit],
     laws: Mapping[str, Callable[[Array], Band]],

@@ -20,7 +20,7 @@ from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..fit.contacts import ContactComparison, ContactFit, compare_contacts, fit_contact
-from ..fit.stiffness_lines import Contact, SteppedLines
+from ..fit.stiffness_lines import Contact, StiffnessLines
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.options import Stated, SteppedSineOptions, with_options
@@ -61,7 +61,7 @@ class SteppedBasis:
     lines that a moving base drives, (n,).
     """
 
-    lines: SteppedLines
+    lines: StiffnessLines
     table_of: Integers
     fits: Mapping[str, ContactFit]
     compared: ContactComparison | None
@@ -71,7 +71,7 @@ class SteppedBasis:
     mass_tests: ClassVar[bool] = False
     columns: ClassVar[Mapping[str, Column]] = {}
 
-    def _of_mode(self, found: Result[Any]) -> SteppedLines:
+    def _of_mode(self, found: Result[Any]) -> StiffnessLines:
         """Return the lines without what other modes add to them, by the fit of the answer."""
         return self.lines.of_mode(self.fits[found.answer.name].values.get("R", 0.0))
 
@@ -294,7 +294,7 @@ def identify_joint(
     return with_stated_uncertainties(found)
 
 
-def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLines, Integers]:
+def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[StiffnessLines, Integers]:
     """Return all lines of the tables, and the table of each."""
     levels = [
         (i, one.table.by_force, of) for i, one in enumerate(tables) for of in one.table.levels
@@ -322,7 +322,7 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLin
     error = np.concatenate(errors) if len(errors) == len(levels) else None
     Z = np.concatenate(forces) / X * np.exp(1j * phi)
     numbers = np.repeat(np.arange(len(levels)), sizes)
-    lines = SteppedLines(omega, X, Z, numbers, tuple(names), error)
+    lines = StiffnessLines(omega, X, Z, numbers, tuple(names), error)
     return lines, np.repeat([i for i, _, _ in levels], sizes)
 
 
@@ -348,7 +348,7 @@ def _on_stuck(fit: ContactFit) -> Iterator[Finding]:
 def _answer(
     name: str,
     fit: ContactFit,
-    lines: SteppedLines,
+    lines: StiffnessLines,
     law: Law,
     compared: ContactComparison | None,
     tested: Sequence[Finding],
@@ -403,7 +403,7 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     return ParameterEstimate(value, fit.errors[symbol], interval)
 
 
-def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[Finding]:
+def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:
     """Yield findings on the rig that the fit implies."""
     k, m = fit.values["k"], fit.values["m"]
     own = {s: (fit.values[s], fit.errors.get(s, 0.0)) for s in ("m", "k")}
