@@ -44,7 +44,6 @@ _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
 _STIFFEST = 1e10  # of |Z|: a contact that stands for a rigid one
 _DRAWS, _SEED = 200, 2010  # of replicates; the same lines give the same bytes
-REPLICATES = True
 _COMPARED = 3  # levels, at least
 _WORDS = {
     "none": "no contact",
@@ -255,7 +254,7 @@ class ContactFit(Fit):
         k = given.get("k", own.k)
         problem = replace(
             own, lines=lines, start=start, k=k, sigma=np.abs(Z) * own.sigma, nodes=X * own.nodes
-        )
+        ).prepared()
         for _ in range(_REPEATS):
             problem = replace(problem, start=problem.ends([problem.climbed]))
             problem = replace(problem, sigma=problem.scatter(problem.start.values)[0])
@@ -367,7 +366,7 @@ def _estimated(problem: StiffnessProblem, steps: int = _ITERATIONS) -> Stiffness
     """Return the problem with its unknowns where they are likeliest, its smoothing and its errors iterated; with one
     step, those of the lines are kept."""
     smoothing = problem.smoothing or _LESS * float(np.median(_SMOOTHINGS))
-    problem = replace(problem, smoothing=smoothing * (problem.contact == "gradual"))
+    problem = replace(problem, smoothing=smoothing * (problem.contact == "gradual")).prepared()
     starts = _starts(problem)
     for step in range(steps):
         problem = replace(problem, start=problem.ends(starts))
@@ -434,9 +433,6 @@ def _fit(problem: StiffnessProblem) -> ContactFit:
     if problem.contact == "gradual":
         about = replace(problem, smoothing=_LESS * problem.smoothing).solve(values)
         moved = problem.residual(about)
-        if REPLICATES:
-            random = np.random.default_rng(_SEED).standard_normal((_DRAWS, moved.size))
-            covariance = np.cov(problem.refitted(moved + random)[0].T)
         bias = problem.refitted(moved[None])[0][0] - about
         covariance += np.outer(bias, bias)
     chi_square = float(np.sum(problem.residual(values) ** 2))

@@ -191,7 +191,7 @@ def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
     if names:
         yield names, point
     if "delay" in names and near.value("delay") < 0.0:
-        omega, turned = near.problem.lines[0].omega, point.copy()
+        omega, turned = near.exact.lines[0].omega, point.copy()
         corner = math.tan(min(-omega * near.value("delay"), 0.75)) * omega / (2.0 * math.pi)
         turned[near.names.index("delay")], turned[near.names.index("corner")] = 0.0, corner
         yield tuple("corner" if one == "delay" else one for one in names), turned

@@ -251,9 +251,9 @@ def _searched(
         alone = None
     ends = [fit]
     if alone is not None:
-        point, nuisances = alone.point.copy(), alone.problem.nuisances
+        point, nuisances = alone.point.copy(), alone.exact.nuisances
         point[[alone.names.index(name) for name in nuisances]] = 0.0
-        ends.append(fit_from(replace(alone.problem, freed=OSCILLATOR), point))
+        ends.append(fit_from(replace(alone.exact, freed=OSCILLATOR), point))
     fits = [one for one in ends if one is not None and moves(one)]
     fit = min(fits, key=lambda one: one.chi_square, default=None)
     rings = fit is not None and max(one.swings for one in fit.responses) > 1.0
