@@ -20,7 +20,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy import special
@@ -31,8 +30,9 @@ from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
 from .fit import OscillatorFit
+from .multistart import climbs
 from .parameters import Parameters
-from .starts import starts
+from .starts import starts as balanced
 from .stiffness_lines import StiffnessLines, StiffnessProblem
 from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
 
@@ -244,7 +244,12 @@ def _with(exact: HarmonicProblem, near: Array | None = None) -> FundamentalFit |
     freedom = _freedom(exact)
     if freedom.min() < 1.0:
         return None
-    ends = [end for at in _starts(exact, near) if (end := _fitted(exact, at)) is not None]
+    points = _starts(exact, near)
+    if not points:
+        return None
+    problem = FundamentalProblem.of(exact, points[0]).prepared()
+    starts = climbs(problem, [problem.climbed.at(at) for at in points], math.inf)
+    ends = [end for at in starts if (end := _fitted(problem, at.parameters)) is not None]
     if not ends:
         return None
     problem = min(ends, key=lambda end: end.size)
@@ -258,16 +263,17 @@ def _with(exact: HarmonicProblem, near: Array | None = None) -> FundamentalFit |
     return replace(found, chi_square=noise)
 
 
-def _fitted(exact: HarmonicProblem, point: Array) -> FundamentalProblem | None:
-    """Return the problem at the end of climbs from a point, corrected; None where there is no motion."""
-    problem, best = FundamentalProblem.of(exact, point).prepared(), None
+def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProblem | None:
+    """Return the problem at the end of climbs from a start, corrected; None where there is no motion."""
+    best = None
     # the correction is a few per cent, and falls by a factor of ten each time
     for _ in range(8):
-        corrected: Any = problem.corrected(problem.climbed)
+        corrected = problem.corrected(start)
         # a gain that does not matter
         if corrected is None or (best is not None and corrected.size > 0.999 * best.size):
             break
         problem = best = corrected
+        start = problem.climbed
     return best
 
 
@@ -280,7 +286,7 @@ def _starts(exact: HarmonicProblem, near: Array | None) -> list[Array]:
             replace(one, **{name: getattr(one, name)[:1] for name in ("n", "x", "x_error")})
             for one in exact.lines
         ]
-        candidates = starts(lines, exact.k)
+        candidates = balanced(lines, exact.k)
         # a rigid contact next to a soft one are two minima: four stiffnesses
         first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:4]
         points = [exact.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]

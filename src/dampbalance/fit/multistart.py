@@ -60,7 +60,8 @@ def climb_on(
 
 
 def distinct(ends: Iterable[Climb | None], above: float = _ABOVE) -> list[Climb]:
-    """Return the lowest ends of climbs that differ in what all records share, at most ten, the lowest first.
+    """Return the lowest ends of climbs that differ in what all records share and is climbed, at most ten, the lowest
+    first.
 
     above : of χ², beyond the lowest, from where on ends are left out.
     """
@@ -75,8 +76,9 @@ def distinct(ends: Iterable[Climb | None], above: float = _ABOVE) -> list[Climb]
         if len(kept) == 1:
             information = end.products[:-1, :-1]
             covariance = inverse_information(information, np.full(len(information), math.inf))
-            shared = np.array([not group for group in end.parameters.groups])
-            errors = np.sqrt(np.diag(covariance))[shared]
+            errors = np.sqrt(np.diag(covariance))
+            shared = np.array([not group for group in end.parameters.groups]) & (errors > 0.0)
+            errors = errors[shared]
     return kept
 
 
