@@ -106,7 +106,7 @@ def test_the_rows_are_the_balance(one):
     phi = np.pi - np.radians(columns["phase_deg"])
     np.testing.assert_allclose(rows["W_J"], np.pi * columns["force_N"] * X * np.sin(phi), rtol=1e-9)
     np.testing.assert_allclose(rows["b_m2_per_s"], np.pi * omega * X**2, rtol=1e-12)
-    travel = 4.0 * np.maximum(X - one.basis.fits["one slider"].r[0], 0.0)
+    travel = 4.0 * np.maximum(X - one.basis.fits["one slider"].all_sliders.r[0], 0.0)
     np.testing.assert_allclose(rows["a_m"], travel, rtol=1e-9, atol=1e-15)
     law = rows["a_m"] * one.values["F_k"] + rows["b_m2_per_s"] * one.values["c"]
     np.testing.assert_allclose(rows["misfit_J"], law - rows["W_J"], rtol=1e-6, atol=1e-12)
@@ -254,7 +254,7 @@ def test_a_base_that_moves_is_a_force_of_the_known_stiffness():
     tight = identify(of_base, k, contact="one slider")
     for symbol, error in by_base.standard_errors.items():
         own = 0.005 * by_base.values[symbol]
-        assert error == pytest.approx(math.hypot(tight.standard_errors[symbol], own), rel=1e-6)
+        assert error == pytest.approx(math.hypot(tight.standard_errors[symbol], own), rel=1e-4)
     assert "stiffness and the gains" in tight.text()
     with pytest.raises(ValueError, match=r"the base drives.*give stiffness"):
         identify(of_base)

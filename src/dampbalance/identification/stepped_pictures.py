@@ -52,7 +52,7 @@ def distribution(fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figu
     figure = page(DOUBLE_COLUMN, 82.0)
     axes = place(figure, 22.0, 20.0, 150.0, 56.0)
     for (name, fit), colour in zip(fits.items(), (SLIP, STICK), strict=False):
-        r, kappa = 1e3 * fit.r, 1e-3 * fit.kappa
+        r, kappa = 1e3 * fit.all_sliders.r, 1e-3 * fit.all_sliders.kappa
         axes.vlines(r, 0.0, kappa, color=colour, linewidth=0.8)
         axes.plot(r, kappa, "o", color=colour, markersize=3.0, label=name)
     axes.set(xscale="log", xlabel=f"slip onset {coordinate.label('r', 'mm')}")

@@ -96,7 +96,8 @@ class SteppedBasis:
         return {
             "comparison": compared,
             "contacts": {
-                name: {"r_m": fit.r, "kappa_N_per_m": fit.kappa} for name, fit in self.fits.items()
+                name: {"r_m": fit.all_sliders.r, "kappa_N_per_m": fit.all_sliders.kappa}
+                for name, fit in self.fits.items()
             },
             "records": [
                 {"record": name, "lines": int(np.sum(self.table_of == i))}
@@ -121,7 +122,7 @@ class SteppedBasis:
         """Return the changes of an answer with faults: half the difference of the fits to lines with the fault and with
         its opposite, whatever is given staying as it is. The force of a base that moves follows the stiffness."""
         fit, omega = self.fits[name], self.lines.omega
-        given = fit.design.rows.given
+        given = fit.given
 
         def of(fault: Fault, sign: float) -> dict[str, float]:
             drive, X, k, m = (
@@ -370,21 +371,22 @@ def _answer(
         [*(s for s in law.unknowns), *(s for s in fit.terms if s not in law.given), "K_z"]
     )
     parameters = {symbol: _estimate(symbol, fit) for symbol in unknowns}
+    misfit = fit.misfit_of_lines
     merit: dict[str, Any] = {
         "residual": float(np.linalg.norm(fit.residuals * W) / np.linalg.norm(W)),
-        "misfit": fit.misfit.score,
-        "loss_rms": fit.misfit.loss,
-        "in_phase_rms_N_per_m": fit.misfit.in_phase,
+        "misfit": misfit.score,
+        "loss_rms": misfit.loss,
+        "in_phase_rms_N_per_m": misfit.in_phase,
     }
     for symbol, unit in _SPRING_UNITS.items():
         if symbol in fit.values:
             merit[f"{symbol}_{unit}"] = fit.values[symbol]
             merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
     bounded = [s for s, p in parameters.items() if math.isfinite(p.standard_error)]
-    covariance = np.cov([fit.replicates[symbol][1:] for symbol in bounded])
+    covariance = fit.covariance_of(bounded)
     return Answer(
         *(name, parameters, covariance_of(parameters, bounded, covariance), tuple(notes)),
-        Balance(rows, fit.misfit.loss * W, names, {"frequency_Hz": hertz}),
+        Balance(rows, misfit.loss * W, names, {"frequency_Hz": hertz}),
         merit=merit,
     )
 
