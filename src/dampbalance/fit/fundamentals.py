@@ -32,22 +32,49 @@ from typing import NamedTuple
 import numpy as np
 from scipy import special
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.terms import FRICTION, term
 from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95
-from .climb import as_parameters, climb
-from .oscillator_fit import OscillatorFit
+from .climb import climb
+from .fit import OscillatorFit
+from .parameters import Parameters
 from .starts import starts
-from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
+from .waveforms import NO_MOTION, HarmonicProblem
 
 _STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
 
 
+OSCILLATOR = ("rho", "m")
+
+
 @dataclass(frozen=True, eq=False)
+class Fundamentals(HarmonicProblem):
+    """The fundamentals of records.   freed : names of unknowns that are fitted in addition to those of the law."""
+
+    freed: tuple[str, ...] = OSCILLATOR
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknowns that the records share."""
+        return (*self.law.keys, *OSCILLATOR, *self.nuisances)
+
+    @cached_property
+    def unknowns(self) -> Parameters:
+        """The unknowns, of which those that are fitted are free."""
+        held = self.parameters.held(*self.names)
+        return held.freed(*self.law.unknowns, *self.freed)
+
+    @property
+    def free(self) -> Mask:
+        """Which unknowns are fitted."""
+        return self.unknowns.free
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FundamentalFit(OscillatorFit):
     """The oscillator whose fundamentals are closest to those of n records.
 
@@ -56,11 +83,10 @@ class FundamentalFit(OscillatorFit):
     reach : half of the 95 % interval of each common unknown, (p,).
     """
 
-    problem: HarmonicProblem
+    problem: Fundamentals
     residual: Array
     by_rows: Array
     reach: Array
-    freedom: int
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -86,8 +112,7 @@ class FundamentalFit(OscillatorFit):
         if len(Z) > len(self.problem.freed) + 1 or special.chdtrc(len(Z), square) > P_CAUSE:
             return {}
         problem = replace(self.problem, freed=(*self.problem.freed, "delay"))
-        scale = problem.bounds(self.point).scale
-        slopes = _linearised(problem, self.point, scale, np.zeros_like(Z))[1] / np.abs(Z)
+        slopes = _linearised(problem, self.point, np.zeros_like(Z))[1] / np.abs(Z)
         matrix = np.concatenate([slopes.real, slopes.imag], axis=1).T
         moves = np.linalg.pinv(matrix) @ -self.residual.ravel()
         places = np.flatnonzero(problem.free[: len(self.names)])
@@ -139,7 +164,7 @@ def fit_fundamentals(
 
     lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
     """
-    fit = _with(HarmonicProblem(law or Law(), tuple(lines), k))
+    fit = _with(Fundamentals(law or Law(), tuple(lines), k))
     while fit is not None:
         freed = fit.problem.freed
         problems = (
@@ -168,7 +193,7 @@ def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
     return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < P_CAUSE)
 
 
-def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit | None:
+def _with(problem: Fundamentals, near: Array | None = None) -> FundamentalFit | None:
     """Return the fit with the unknowns that a problem frees; None without degrees of freedom left. near : a point to
     start from, too."""
     lines, damping = problem.lines, len(problem.law.unknowns)
@@ -191,15 +216,13 @@ def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit
     t = np.repeat(special.stdtrit(freedom, 0.975), len(lines))
     noise = np.tile((error / np.abs(Z)) ** 2, 2)
     of_scatter, of_noise = by_rows**2 @ (scattered * t**2), by_rows**2 @ noise
-    larger, rho = np.maximum(scattered, noise), problem.names.index("rho")
-    covariance = np.zeros((problem.size, problem.size))
+    larger = np.maximum(scattered, noise)
+    covariance = np.zeros((point.size, point.size))
     covariance[: len(by_rows), : len(by_rows)] = (by_rows * larger) @ by_rows.T
     return FundamentalFit(
-        k=problem.k,
-        point=point,
+        parameters=problem.unknowns.at(point),
         covariance=covariance,
         chi_square=float(np.sum(residual.ravel() ** 2 / noise)),
-        rigid=bool(point[rho] <= problem.bounds(point).lower[rho]),
         problem=problem,
         residual=residual,
         by_rows=by_rows,
@@ -208,7 +231,7 @@ def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit
     )
 
 
-def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
+def _starts(problem: Fundamentals, near: Array | None) -> list[Array]:
     """Return points to start from: a point near, or those that balance the work of the fundamentals, the closest of
     some contact stiffnesses; with each turn of the phase where that is fitted."""
     points = [near] if near is not None else []
@@ -220,7 +243,7 @@ def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
         candidates = starts(lines, problem.k)
         # a rigid contact next to a soft one are two minima: four stiffnesses
         first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:4]
-        points = [problem.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]
+        points = [problem.start(candidate).values for candidate in candidates[first]]
     if "delay" in problem.freed and near is not None:
         points = [near.copy(), near.copy()]
         # rad: a filter of a laboratory turns the phase by that much
@@ -229,13 +252,13 @@ def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
     return points
 
 
-def _data(problem: HarmonicProblem) -> tuple[Complexes, Array]:
+def _data(problem: Fundamentals) -> tuple[Complexes, Array]:
     """Return Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
     Z = np.array([problem.k * one.Y / one.x[0] for one in problem.lines])
     return Z, np.abs(Z) * np.array([one.relative_error for one in problem.lines])
 
 
-def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> Complexes:
+def _describing(problem: Fundamentals, points: Array, motion: Complexes) -> Complexes:
     """Return Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
     omega, Y = np.transpose([(one.omega, one.Y) for one in problem.lines])
     X, phi = np.abs(motion), -np.angle(motion)
@@ -256,7 +279,7 @@ def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> C
     return np.asarray(in_phase + 1j * energy / (math.pi * X**2))
 
 
-def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
+def _read(problem: Fundamentals, points: Array, Z: Complexes) -> Complexes:
     """Return Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
     omega, X = np.transpose([(one.omega, abs(one.x[0])) for one in problem.lines])
     k_3, delay = (points[..., problem.names.index(name)] for name in ("k_3", "delay"))
@@ -264,15 +287,15 @@ def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
 
 
 def _linearised(
-    problem: HarmonicProblem, point: Array, scale: Array, correction: Complexes
+    problem: Fundamentals, point: Array, correction: Complexes
 ) -> tuple[Complexes, Complexes]:
     """Return Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
 
-    scale : sizes below which an unknown counts as zero.   correction : of the describing function, N/m, (n,).
+    correction : of the describing function, N/m, (n,).
     """
     motion = np.array([one.x[0] for one in problem.lines])
     free = np.flatnonzero(problem.free[: len(problem.names)])
-    sizes = _STEP * np.maximum(np.abs(point), scale)[free]
+    sizes = _STEP * np.maximum(np.abs(point), problem.unknowns.scale)[free]
     points = np.tile(point, (2, free.size + 1, 1))
     points[0, np.arange(free.size), free] += sizes
     points[1, np.arange(free.size), free] -= sizes
@@ -280,7 +303,7 @@ def _linearised(
     return more[-1], np.asarray((more - less)[:-1] / (2.0 * sizes[:, None]))
 
 
-def _fundamental(problem: HarmonicProblem, point: Array, i: int) -> complex:
+def _fundamental(problem: Fundamentals, point: Array, i: int) -> complex:
     """Return x_1 of the exact motion of a record without departures, with what the harmonics of its base add, m.
 
     Raises NO_MOTION.
@@ -305,17 +328,17 @@ class _End(NamedTuple):
         return float(np.linalg.norm(self.off))
 
 
-def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
+def _fitted(problem: Fundamentals, start: Array) -> _End | None:
     """Return the end of a climb to the fundamentals; None where there is no motion."""
     Z, error = _data(problem)
     unit = np.abs(Z) * math.sqrt(float(np.mean((error / np.abs(Z)) ** 2)))
     motion = np.array([one.x[0] for one in problem.lines])
-    free, bounds = np.flatnonzero(problem.free[: len(problem.names)]), problem.bounds(start)
+    free = np.flatnonzero(problem.free[: len(problem.names)])
     correction, point, best = np.zeros_like(Z), start, None
 
     def products(at: Array, out: Array) -> bool:
         whole = np.zeros((at.size + 1, Z.size), dtype=np.complex128)
-        model, slopes = _linearised(problem, at, bounds.scale, correction)
+        model, slopes = _linearised(problem, at, correction)
         whole[free], whole[-1] = slopes / unit, (model - Z) / unit
         out[:] = (whole @ whole.conj().T).real
         return True
@@ -323,7 +346,7 @@ def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
     # the correction is a few per cent, and falls by a factor of ten each time
     for _ in range(8):
         # a gain of 4 % of a standard error of the noise, and less of the scatter
-        reached = climb(products, as_parameters(point, bounds), gain=1e-3)
+        reached = climb(products, problem.unknowns.at(point), gain=1e-3)
         if reached is None:
             break
         point = reached.point.copy()
@@ -336,7 +359,7 @@ def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
             break
         exact = np.array(moved)
         correction = np.abs(linear * motion) / exact - _describing(problem, point, exact)
-        model, slopes = _linearised(problem, point, bounds.scale, correction)
+        model, slopes = _linearised(problem, point, correction)
         end = _End(point, (model - Z) / np.abs(Z), slopes / np.abs(Z))
         if best is not None and end.size > 0.999 * best.size:  # a gain that does not matter
             break
