@@ -24,17 +24,17 @@ from functools import cached_property
 import numpy as np
 from scipy import special
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
-from .fit import OscillatorFit
+from .fit import Fit, OscillatorFit
 from .multistart import climbs
 from .parameters import Parameters
-from .starts import starts as balanced
+from .starts import starts
 from .stiffness_lines import StiffnessLines, StiffnessProblem
-from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
+from .waveforms import NO_MOTION, HarmonicProblem
 
 _CERTAIN = 1e6  # degrees of freedom of noise
 _GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
@@ -49,31 +49,39 @@ def stiffness_lines(lines: Sequence[Lines], k: float) -> StiffnessLines:
 
 @dataclass(frozen=True, eq=False)
 class FundamentalProblem(StiffnessProblem):
-    """Residuals of the fundamentals of records.   exact : the problem of their waveforms, which has all unknowns."""
+    """Residuals of the fundamentals of records.
+
+    exact : the problem of their waveforms, which has all unknowns.   departures : those that are fitted along.
+    """
 
     exact: HarmonicProblem = None  # type: ignore[assignment]
+    departures: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, exact: HarmonicProblem, point: Array) -> FundamentalProblem:
-        """Return the problem at a point of that of the waveforms."""
-        keys, bounds, k = exact.names, exact.bounds(point), exact.k
-        names = [*(getattr(key, "symbol", key) for key in keys), *["Y", "psi"] * len(exact.lines)]
-        groups = [getattr(key, "group", None) or "" for key in keys]
-        groups += [str(i) for i in range(len(exact.lines)) for _ in range(2)]
-        free = exact.free.copy()
-        free[[name not in (*exact.law.terms, *exact.freed) for name in names]] = False
-        arrays = point, bounds.lower, bounds.upper, free, bounds.scale, np.full(free.size, math.inf)
-        start, lines = (
-            Parameters(tuple(names), tuple(groups), *arrays),
-            stiffness_lines(exact.lines, k),
-        )
+    def of_records(
+        cls, exact: HarmonicProblem, departures: tuple[str, ...] = ()
+    ) -> FundamentalProblem:
+        """Return the problem of records, with the unknowns at rest."""
+        start, k, lines = exact.parameters, exact.k, stiffness_lines(exact.lines, exact.k)
+        fitted = {*exact.law.unknowns, "rho", "m", *departures}
+        start = start.held(*(key for key in start.keys if key not in fitted)).freed(*fitted)
         assert lines.error is not None
         sigma = np.abs([lines.Z] * 2) * math.sqrt(float(np.mean(lines.error**2)))
-        of = {
-            key: np.array([exact.law.key(key.symbol, i) == key for i in range(len(exact.lines))])
+        each = range(len(exact.lines))
+        groups: dict[str, Mask] = {
+            key: np.array([exact.law.key(key.symbol, i) == key for i in each])
             for key in exact.law.keys
         }
-        return cls(lines, start, "one slider", sigma, k, of=of, exact=exact)
+        return cls(
+            *(lines, start, "one slider", sigma, k, groups), exact=exact, departures=departures
+        )
+
+    @property
+    def degrees(self) -> Array:
+        """Degrees of freedom of the in-phase rows, which tell stiffness, mass and departures, and of those in
+        quadrature, which tell the damping, (2,)."""
+        unknowns = [2 + len(self.departures), len(self.exact.law.unknowns)]
+        return self.lines.X.size - np.array(unknowns, dtype=np.float64)
 
     def corrected(self, start: Parameters) -> FundamentalProblem | None:
         """Return the problem at the end of a climb, with what its model lacks of the exact motion there; None where
@@ -110,30 +118,21 @@ class FundamentalFit(OscillatorFit):
     """The oscillator whose fundamentals are closest to those of n records.   problem : a `FundamentalProblem`."""
 
     @property
-    def exact(self) -> HarmonicProblem:
-        """The problem of the waveforms, with the unknowns of this point."""
-        exact: HarmonicProblem = self.problem.exact
-        return exact
-
-    @property
     def names(self) -> tuple[str, ...]:
-        """Keys of the law's coefficients, then the other common unknowns."""
-        return self.exact.names
-
-    @property
-    def common_covariance(self) -> Array:
-        """Covariance of the common unknowns, in the order of their names."""
-        return self.covariance[: len(self.names), : len(self.names)]
+        """Keys of the unknowns."""
+        return self.parameters.keys
 
     @property
     def law(self) -> Law:
         """The damping law whose coefficients are fitted."""
-        return self.exact.law
+        law: Law = self.problem.exact.law
+        return law
 
     @property
     def departures(self) -> tuple[str, ...]:
         """Names of the nuisances that are fitted along."""
-        return tuple(name for name in self.exact.freed if name not in OSCILLATOR)
+        departures: tuple[str, ...] = self.problem.departures
+        return departures
 
     @cached_property
     def residual(self) -> Array:
@@ -148,7 +147,7 @@ class FundamentalFit(OscillatorFit):
 
     def freedom_of(self, key: str) -> float:
         """Return the degrees of freedom of the error of a common unknown, of what both kinds of rows add to it."""
-        problem, freedom = self.problem, _freedom(self.exact)
+        problem, freedom = self.problem, self.problem.degrees
         sigma, scatters = problem.scatter(self.point, freedom)
         by = self._by_rows[self.parameters.places[key]].reshape(sigma.shape)
         parts = np.sum((by * sigma / problem.sigma) ** 2, axis=1)
@@ -161,8 +160,8 @@ class FundamentalFit(OscillatorFit):
         in-phase rows leave, where these are too few to show it; empty where they leave no more than noise does."""
         problem = self.problem
         square = float(np.sum((self.residual[0] / problem.lines.error) ** 2))
-        few = len(self.exact.lines) <= len(self.exact.freed) + 1
-        if not few or special.chdtrc(len(self.exact.lines), square) > P_CAUSE:
+        n = self.residual.shape[1]
+        if problem.degrees[0] > 1.0 or special.chdtrc(n, square) > P_CAUSE:
             return {}
         freer = replace(problem, start=self.parameters.freed("delay"))
         moves = freer.by_rows(self.point) @ problem.residual(self.point)
@@ -176,8 +175,8 @@ class FundamentalFit(OscillatorFit):
     @cached_property
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
-        records = range(len(self.exact.lines))
-        return tuple(self.exact.response(self.point, i) for i in records)
+        records = range(self.residual.shape[1])
+        return tuple(self.problem.exact.response(self.point, i) for i in records)
 
     @property
     def scatter(self) -> float:
@@ -186,13 +185,13 @@ class FundamentalFit(OscillatorFit):
 
     def moved(self, relative: Complexes) -> Array:
         """Return the relative change of the common unknowns, (p, …), with that of the Z of each record, (n, …)."""
-        problem, of = self.problem, len(self.names)
+        problem = self.problem
         part = (relative.T * problem.lines.Z).T
         rows = np.concatenate(
             [(part.real.T / problem.sigma[0]).T, (part.imag.T / problem.sigma[1]).T]
         )
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(((self._by_rows @ rows)[:of].T / self.point[:of]).T)
+            return np.asarray(((self._by_rows @ rows).T / self.point).T)
 
 
 def fit_fundamentals(
@@ -203,15 +202,16 @@ def fit_fundamentals(
 
     lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
     """
-    fit = _with(HarmonicProblem(law or Law(), tuple(lines), k))
+    exact = HarmonicProblem(law or Law(), tuple(lines), k)
+    fit = _with(FundamentalProblem.of_records(exact))
     while fit is not None:
-        freed = fit.exact.freed
-        problems = (
-            replace(fit.exact, freed=(*freed, name))
-            for name in ("delay", "k_3")
-            if name not in freed
-        )
-        others = (_with(problem, fit.point) for problem in problems) if _shows(fit) else ()
+        others: list[FundamentalFit | None] = []
+        if _shows(fit):
+            along = [name for name in ("delay", "k_3") if name not in fit.departures]
+            freer = [
+                FundamentalProblem.of_records(exact, (*fit.departures, name)) for name in along
+            ]
+            others = [_with(problem, fit) for problem in freer]
         better = min(filter(None, others), key=lambda one: one.chi_square, default=None)
         if better is None or not _shows(fit, better):
             break
@@ -219,7 +219,7 @@ def fit_fundamentals(
     if fit is None or not fit.rigid or fit.has("delay"):
         return fit
     # a turn of the phase takes off what a contact adds to the stiffness of low levels
-    return _with(replace(fit.exact, freed=(*fit.exact.freed, "delay")), fit.point) or fit
+    return _with(FundamentalProblem.of_records(exact, (*fit.departures, "delay")), fit) or fit
 
 
 def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
@@ -232,35 +232,27 @@ def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
     return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < P_CAUSE)
 
 
-def _freedom(exact: HarmonicProblem) -> Array:
-    """Return the degrees of freedom of the in-phase rows, which tell stiffness, mass and departures, and of those in
-    quadrature, which tell the damping, (2,)."""
-    return len(exact.lines) - np.array([len(exact.freed), len(exact.law.unknowns)], dtype=float)
-
-
-def _with(exact: HarmonicProblem, near: Array | None = None) -> FundamentalFit | None:
-    """Return the fit with the unknowns that a problem frees; None without degrees of freedom left. near : a point to
-    start from, too."""
-    freedom = _freedom(exact)
-    if freedom.min() < 1.0:
+def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFit | None:
+    """Return the fit with the unknowns that a problem frees; None without degrees of freedom left. near : a fit from
+    which to start."""
+    if problem.degrees.min() < 1.0:
         return None
-    points = _starts(exact, near)
-    if not points:
-        return None
-    problem = FundamentalProblem.of(exact, points[0]).prepared()
-    starts = climbs(problem, [problem.climbed.at(at) for at in points], math.inf)
-    ends = [end for at in starts if (end := _fitted(problem, at.parameters)) is not None]
+    problem = problem.prepared()
+    found = climbs(problem, _starts(problem, near), math.inf)
+    ends = [end for at in found if (end := _fitted(problem, at.parameters)) is not None]
     if not ends:
         return None
     problem = min(ends, key=lambda end: end.size)
-    values = problem.start.values.copy()
-    for at, one in zip(exact.at, exact.lines, strict=True):
-        values[at["Y"]] = one.Y
-    problem = replace(problem, start=problem.start.at(values))
-    by = problem.by_rows(values) * (problem.scatter(values, freedom)[0] / problem.sigma).ravel()
-    found = FundamentalFit(problem.start, by @ by.T, 0.0, float(freedom.sum()), problem)
-    noise = float(np.sum((found.residual / problem.lines.error) ** 2))
-    return replace(found, chi_square=noise)
+    drives = {f"Y[{i}]": one.Y for i, one in enumerate(problem.exact.lines, 1)}
+    problem = replace(problem, start=problem.start.moved(**drives))
+    at, freedom = problem.start, problem.degrees
+    by = (
+        problem.by_rows(at.values)
+        * (problem.scatter(at.values, freedom)[0] / problem.sigma).ravel()
+    )
+    fit = FundamentalFit(at, by @ by.T, 0.0, float(freedom.sum()), problem)
+    noise = fit.residual / np.asarray(problem.lines.error)
+    return replace(fit, chi_square=float(np.sum(noise**2)))
 
 
 def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProblem | None:
@@ -277,22 +269,26 @@ def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProble
     return best
 
 
-def _starts(exact: HarmonicProblem, near: Array | None) -> list[Array]:
-    """Return points to start from: a point near, or those that balance the work of the fundamentals, the closest of
-    some contact stiffnesses; with each turn of the phase where that is fitted."""
-    points = [near] if near is not None else []
+def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Parameters]:
+    """Return where to start: near a fit, or where the work of the fundamentals is balanced, the closest of some contact
+    stiffnesses; with each turn of the phase where that is fitted."""
+    exact, places = problem.exact, problem.start.places
     if near is None:
-        lines = [
+        one_harmonic = [
             replace(one, **{name: getattr(one, name)[:1] for name in ("n", "x", "x_error")})
             for one in exact.lines
         ]
-        candidates = balanced(lines, exact.k)
+        candidates = starts(one_harmonic, exact.k)
         # a rigid contact next to a soft one are two minima: four stiffnesses
         first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:4]
-        points = [exact.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]
-    if "delay" in exact.freed and near is not None:
-        points = [near.copy(), near.copy()]
+        points = [exact.start(candidate).values for candidate in candidates[first]]
+    else:
+        points = [near.point]
+    if "delay" in problem.departures and near is not None:
         # rad: a filter of a laboratory turns the phase by that much
-        for point, turn in zip(points, (-0.1, 0.1), strict=True):
-            point[exact.names.index("delay")] += turn / exact.lines[0].omega
-    return points
+        turns, points = np.array([-0.1, 0.1]) / problem.lines.omega[0], [near.point, near.point]
+        points = [
+            point + turn * np.eye(point.size)[places["delay"]]
+            for point, turn in zip(points, turns, strict=True)
+        ]
+    return [problem.climbed.at(np.where(problem.solved, 0.0, point)) for point in points]

@@ -24,7 +24,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Self
 
 import numpy as np
 from scipy import optimize
@@ -91,8 +91,8 @@ def stiffness_part(name: str, lines: StiffnessLines, k: float) -> Complexes:
         Y, phi = np.abs(lines.Z) * X / k, np.angle(lines.Z)  # of a base that drives
         g = KNOWN_TERMS[name].harmonic(omega, X, Y, phi, k)
         return np.asarray(1j * g / (math.pi * X**2))
-    sizes = {"k": 1.0, "m": -(omega**2), "k_3": 0.75 * X**2}
-    return np.zeros(X.size, dtype=np.complex128) + sizes[name]
+    sizes = {"k": np.ones_like(X), "m": -(omega**2), "k_3": 0.75 * X**2}
+    return np.asarray(sizes[name] + 0j)
 
 
 class Misfit(NamedTuple):
@@ -143,7 +143,7 @@ class StiffnessProblem:
     added: Complexes | float = 0.0
     as_read: Complexes | None = None
 
-    def __getitem__(self, kept: Mask) -> StiffnessProblem:
+    def __getitem__(self, kept: Mask) -> Self:
         """The problem of some of the lines."""
         of = {key: mask[kept] for key, mask in self.of.items()}
         added = self.added if isinstance(self.added, float) else self.added[kept]
@@ -156,13 +156,13 @@ class StiffnessProblem:
             as_read=self.columns(self.lines)[kept],
         )
 
-    def on(self, X: Array, omega: Array) -> StiffnessProblem:
+    def on(self, X: Array, omega: Array) -> Self:
         """Return the problem of lines at other amplitudes, m, and frequencies, rad/s, (n,) each."""
         ones, level = np.ones(X.size), np.zeros(X.size, dtype=np.intp)
-        lines = StiffnessLines(omega, X, ones + 0j, level, ("",))
+        lines = StiffnessLines(omega, X, np.asarray(ones + 0j), level, ("",))
         return replace(self, lines=lines, sigma=np.array([ones, ones]), as_read=None)
 
-    def prepared(self) -> StiffnessProblem:
+    def prepared(self) -> Self:
         """Return the problem with parts of Z that are computed once."""
         return replace(self, as_read=self._columns(self.lines))
 

@@ -235,7 +235,7 @@ def compare_laws(
         if alone.balance is not None and alone.balance.p < _SURE:
             return alone, None  # where there is friction, the balance shows it at once
         fit = fit_quickly(HarmonicProblem(tried, lines, k), near)
-        if fit is not None and mass is not None and "m" in fit.problem.freed:
+        if fit is not None and mass is not None and fit.parameters["m"].free:
             fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             return LawTest(kept), None
