@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         loop_sliders,
     )
     from .identification.result import Result
-    from .joints.answer import damping_at
+    from .identification.stepped_sine import damping_at
     from .measured import identify, identify_joint, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
@@ -92,7 +92,7 @@ _MODULES = {
         *("loop_contact", "loop_history", "loop_sliders"),
     ),
     "identification.result": ("Result",),
-    "joints.answer": ("damping_at",),
+    "identification.stepped_sine": ("damping_at",),
     "measured": ("identify", "identify_joint", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),

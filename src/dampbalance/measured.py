@@ -14,13 +14,13 @@ from .identification.forced import identify_forced
 from .identification.loading import keeps_moving
 from .identification.loops import identify_loops
 from .identification.result import Result
-from .joints.answer import identify_joint as identify_joint
-from .joints.records import read_lines
+from .identification.stepped_sine import identify_joint as identify_joint
 from .project.options import AnyOptions, Stated, asked, with_options
 from .records.channel import ACCOMPANYING
 from .records.mapping import MappingLike
 from .records.measured import as_records
 from .records.record import Record
+from .records.stepped_sine import read_lines
 
 if TYPE_CHECKING:
     from .records.measured import RecordLike

@@ -14,10 +14,9 @@ from dampbalance.findings.words import sentence
 from dampbalance.fit.score import Departure
 from dampbalance.identification.decay_laws import condition_of
 from dampbalance.identification.screen import limiting
-from dampbalance.joints.synthetic import stepped_sine
 from dampbalance.law.contact import Sliders
 from dampbalance.records.coordinate import TRANSLATION
-from dampbalance.records.synthetic import measured_orbit
+from dampbalance.records.synthetic import measured_orbit, stepped_sine
 from identification.levels import changed, measured
 from paper_case import PAPER
 from slips import slips

@@ -10,7 +10,7 @@ from importlib import import_module
 import pytest
 
 from folders import ROOT
-from rooms import FACE, MODULES, PACKAGE, graph, imported, reached, rooms
+from rooms import FACE, MODULES, PACKAGE, imported, reached, rooms
 
 MOST_ROOT_MODULES = 11
 
@@ -37,12 +37,6 @@ def test_the_guide_names_what_is_there():
         assert f"{module}.{last}" in MODULES or hasattr(import_module(module), last), name
     places = PACKAGE, ROOT / "paper/site/symptoms", ROOT
     assert [path for path in paths if not any((place / path).exists() for place in places)] == []
-
-
-def test_joints_are_known_to_the_module_that_hands_records_over_and_to_no_other():
-    inside = {module for module in MODULES if module.split(".")[1:2] == ["joints"]}
-    importing = {module for module, others in graph().items() if others & inside}
-    assert importing - inside - FACE == {"dampbalance.measured"}
 
 
 def test_no_import_runs_in_a_circle():

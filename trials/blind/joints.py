@@ -23,8 +23,8 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.stats import binomtest
 
-from dampbalance.joints.fit import ContactFit, compare_contacts
-from dampbalance.joints.lines import SteppedLines
+from dampbalance.fit.contacts import ContactFit, compare_contacts
+from dampbalance.fit.stiffness_lines import StiffnessLines
 from dampbalance.project.wording import markdown_table
 
 from .truths import log_uniform
@@ -179,7 +179,7 @@ def draw(index: int, seed: int) -> Truth:
     return replace(truth, forces=forces, omega=omega)
 
 
-def table_of(truth: Truth, seed: int) -> SteppedLines:
+def table_of(truth: Truth, seed: int) -> StiffnessLines:
     """Return the lines, with noise on the real and the imaginary part of each Z, as a part of |Z|."""
     largest = 1e-3
     rows = [
@@ -192,7 +192,7 @@ def table_of(truth: Truth, seed: int) -> SteppedLines:
     random = np.random.default_rng((_JOINTS, seed, truth.index, 1))
     noise = random.standard_normal((2, Z.size)) * truth.noise
     names = tuple(f"level {i + 1}" for i in range(len(truth.forces)))
-    return SteppedLines(omega, X, Z * (1.0 + noise[0] + 1j * noise[1]), level, names)
+    return StiffnessLines(omega, X, Z * (1.0 + noise[0] + 1j * noise[1]), level, names)
 
 
 def outcome(run: tuple[int, int]) -> list[dict[str, object]]:

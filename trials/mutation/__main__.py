@@ -34,7 +34,7 @@ from .mutants import Mutant, mutants
 ROOT = Path(__file__).parents[2]
 PACKAGE = "src/dampbalance"
 ROOMS = (
-    *("motion", "law", "signals", "fit", "identification", "joints"),
+    *("motion", "law", "signals", "fit", "identification"),
     *("records", "records/readers"),
 )
 METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py")

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from dampbalance.joints.synthetic import stepped_sine
 from dampbalance.law.contact import Sliders
+from dampbalance.records.synthetic import stepped_sine
 
 table = stepped_sine(
     {"m": 2.0, "c": 6.0, "k": 180_000.0},

@@ -89,20 +89,23 @@ def climb(
     *,
     gain: float = GAIN,
     most: int = MOST_EVALUATIONS,
+    known: Array | None = None,
 ) -> Climb | None:
     """Maximise the likelihood from `start`; None where the model does not apply there.
 
     evaluate : sets its second argument to the products at a point, see `Climb`; false where the model does not apply.
     gain : what a full step must promise in −log L for the climb to go on.
-    most : evaluations after which the climb ends wherever it is.
+    most : evaluations after which the climb ends wherever it is.   known : the products at the start, if they are.
     """
     limits, first = start.limits, start.values
     within = np.minimum(np.maximum(first, limits.low), limits.high)
     point, trial = np.where(limits.free, within, first), np.empty(first.size)
     here, there = np.empty((2, first.size + 1, first.size + 1))
-    if not evaluate(point, here):
+    if known is not None:
+        here[:] = known
+    elif not evaluate(point, here):
         return None
-    damping, count = 1e-3, 1
+    damping, count = 1e-3, int(known is None)
     while True:
         promise, size = _step(point, here, damping, limits, trial)
         if count >= most or not promise >= gain or size < _RELATIVE:

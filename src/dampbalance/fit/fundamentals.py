@@ -1,17 +1,10 @@
 """Fit of one oscillator to the fundamental of each record alone, where the higher harmonics are not those of the model.
 
 A second mode, a sensor or a spring that is not linear, or a contact that yields gradually, show in the higher harmonics
-first, and hardly in the fundamental, which carries nearly all of the energy. Its dynamic stiffness
-
-    Z = kY/x_1 = k − mω² + K + i(E/(πX²) + Σ p_j g_j/(πX²))
-
-has in-phase and quadrature parts for each level, with the describing function of the slider for x = X cos ωt,
-
-    K = (K_z/π)(ϑ − sin ϑ cos ϑ),   cos ϑ = 1 − 2Z_m/X,   E = 4F_k(X − Z_m),   Z_m = F_k/K_z
-
-(Caughey, J. Appl. Mech. 27, 1960). What it lacks of the exact orbit of that amplitude is added at the oscillator that
-fits, and the fit repeated: the describing function only gives derivatives. Rows are relative to |Z|, which is the
-drive over the response.
+first, and hardly in the fundamental, which carries nearly all of the energy. Its dynamic stiffness kY/x_1 is a line of
+each record (`stiffness_lines.py`). What the describing function of the slider lacks of the exact orbit of that
+amplitude is added at the oscillator that fits, and the fit repeated: it only gives derivatives. Rows are relative to
+|Z|, which is the drive over the response.
 
 Two departures show in the fundamentals, and are fitted along where that lessens what the rows leave by more than
 chance: a channel that turns the phase, by a delay or as much by a filter (Z e^{iωτ}), and a spring that is not linear
@@ -27,75 +20,153 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from scipy import special
 
-from ..arrays import Array, Complexes
+from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
-from ..law.terms import FRICTION, term
 from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
-from ..solver import NORMAL_95
-from .climb import as_parameters, climb
-from .oscillator_fit import OscillatorFit
+from .fit import Fit, OscillatorFit
+from .multistart import climbs
+from .parameters import Parameters
 from .starts import starts
-from .waveforms import NO_MOTION, OSCILLATOR, HarmonicProblem
+from .stiffness_lines import StiffnessLines, StiffnessProblem
+from .waveforms import NO_MOTION, HarmonicProblem
 
-_STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
+_CERTAIN = 1e6  # degrees of freedom of noise
+_GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
+
+
+def stiffness_lines(lines: Sequence[Lines], k: float) -> StiffnessLines:
+    """Return the fundamentals of records as lines of dynamic stiffness, a level each.   k : of the spring, N/m."""
+    X, Z, omega = np.transpose([(abs(one.x[0]), k * one.Y / one.x[0], one.omega) for one in lines])
+    error, each = np.array([one.relative_error for one in lines]), np.arange(len(lines))
+    return StiffnessLines(omega.real, X.real, Z, each, tuple(map(str, each)), error)
+
+
+@dataclass(frozen=True, eq=False)
+class FundamentalProblem(StiffnessProblem):
+    """Residuals of the fundamentals of records.
+
+    exact : the problem of their waveforms, which has all unknowns.   departures : those that are fitted along.
+    """
+
+    exact: HarmonicProblem = None  # type: ignore[assignment]
+    departures: tuple[str, ...] = ()
+
+    @classmethod
+    def of_records(
+        cls, exact: HarmonicProblem, departures: tuple[str, ...] = ()
+    ) -> FundamentalProblem:
+        """Return the problem of records, with the unknowns at rest."""
+        start, k, lines = exact.parameters, exact.k, stiffness_lines(exact.lines, exact.k)
+        fitted = {*exact.law.unknowns, "rho", "m", *departures}
+        start = start.held(*(key for key in start.keys if key not in fitted)).freed(*fitted)
+        assert lines.error is not None
+        sigma = np.abs([lines.Z] * 2) * math.sqrt(float(np.mean(lines.error**2)))
+        each = range(len(exact.lines))
+        groups: dict[str, Mask] = {
+            key: np.array([exact.law.key(key.symbol, i) == key for i in each])
+            for key in exact.law.keys
+        }
+        return cls(
+            *(lines, start, "one slider", sigma, k, groups), exact=exact, departures=departures
+        )
+
+    @property
+    def degrees(self) -> Array:
+        """Degrees of freedom of the in-phase rows, which tell stiffness, mass and departures, and of those in
+        quadrature, which tell the damping, (2,)."""
+        unknowns = [2 + len(self.departures), len(self.exact.law.unknowns)]
+        return self.lines.X.size - np.array(unknowns, dtype=np.float64)
+
+    def corrected(self, start: Parameters) -> FundamentalProblem | None:
+        """Return the problem at the end of a climb, with what its model lacks of the exact motion there; None where
+        there is no motion."""
+        start, drawn = self.ends([start], gain=_GAIN), self.lines
+        bare = start.values.copy()
+        bare[[start.places[name] for name in self.exact.nuisances]] = 0.0
+        # drives that move the mass as far as it was read
+        drives = np.abs(self.law(bare, drawn)) * drawn.X
+        for at, drive in zip(self.exact.at, drives, strict=True):
+            bare[at["Y"]] = drive / self.k
+        try:
+            moved = [_fundamental(self.exact, bare, i) for i in range(drives.size)]
+        except NO_MOTION:
+            return None
+        there = replace(drawn, X=np.abs(moved), Z=drives / np.array(moved))
+        lacks = there.Z - (self.law(bare, there) - self.added)
+        return replace(self, start=start, added=lacks)
+
+    @property
+    def size(self) -> float:
+        """Norm of the residuals."""
+        return float(np.linalg.norm(self.residual(self.start.values)))
+
+
+def _fundamental(exact: HarmonicProblem, point: Array, i: int) -> complex:
+    """Return x_1 of the exact motion of a record, with what the harmonics of its base add, m.   Raises NO_MOTION."""
+    response = exact.response(point, i)
+    return complex(response.harmonics(1)[0] + added_by_base(exact.lines[i].base, response, 1)[0])
 
 
 @dataclass(frozen=True, eq=False)
 class FundamentalFit(OscillatorFit):
-    """The oscillator whose fundamentals are closest to those of n records.
-
-    problem : names and places of the unknowns.   residual : (model − data)/|Z|, in phase and in quadrature, (2, n).
-    by_rows : derivatives of the common unknowns by the relative error of each row, (p, 2n).
-    reach : half of the 95 % interval of each common unknown, (p,).
-    """
-
-    problem: HarmonicProblem
-    residual: Array
-    by_rows: Array
-    reach: Array
-    freedom: int
+    """The oscillator whose fundamentals are closest to those of n records.   problem : a `FundamentalProblem`."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Keys of the law's coefficients, then the other common unknowns."""
-        return self.problem.names
+        """Keys of the unknowns."""
+        return self.parameters.keys
 
     @property
     def law(self) -> Law:
         """The damping law whose coefficients are fitted."""
-        return self.problem.law
+        law: Law = self.problem.exact.law
+        return law
 
     @property
     def departures(self) -> tuple[str, ...]:
         """Names of the nuisances that are fitted along."""
-        return tuple(name for name in self.problem.freed if name not in OSCILLATOR)
+        departures: tuple[str, ...] = self.problem.departures
+        return departures
+
+    @cached_property
+    def residual(self) -> Array:
+        """(model − data)/|Z|, in phase and in quadrature, (2, n)."""
+        rows = self.problem.residual(self.point).reshape(2, -1)
+        return np.asarray(rows * self.problem.sigma / np.abs(self.problem.lines.Z))
+
+    @cached_property
+    def _by_rows(self) -> Array:
+        by: Array = self.problem.by_rows(self.point)
+        return by
+
+    def freedom_of(self, key: str) -> float:
+        """Return the degrees of freedom of the error of a common unknown, of what both kinds of rows add to it."""
+        problem, freedom = self.problem, self.problem.degrees
+        sigma, scatters = problem.scatter(self.point, freedom)
+        by = self._by_rows[self.parameters.places[key]].reshape(sigma.shape)
+        parts = np.sum((by * sigma / problem.sigma) ** 2, axis=1)
+        known = np.sum(parts**2 / np.where(scatters, freedom, _CERTAIN))
+        return float(np.sum(parts) ** 2 / known) if known else _CERTAIN
 
     @property
     def turned(self) -> dict[str, float]:
         """Relative change of the common unknowns, by name, if a channel that turns the phase explained what the
         in-phase rows leave, where these are too few to show it; empty where they leave no more than noise does."""
-        Z, error = _data(self.problem)
-        square = float(np.sum((self.residual[0] * np.abs(Z) / error) ** 2))
-        if len(Z) > len(self.problem.freed) + 1 or special.chdtrc(len(Z), square) > P_CAUSE:
+        problem = self.problem
+        square = float(np.sum((self.residual[0] / problem.lines.error) ** 2))
+        n = self.residual.shape[1]
+        if problem.degrees[0] > 1.0 or special.chdtrc(n, square) > P_CAUSE:
             return {}
-        problem = replace(self.problem, freed=(*self.problem.freed, "delay"))
-        scale = problem.bounds(self.point).scale
-        slopes = _linearised(problem, self.point, scale, np.zeros_like(Z))[1] / np.abs(Z)
-        matrix = np.concatenate([slopes.real, slopes.imag], axis=1).T
-        moves = np.linalg.pinv(matrix) @ -self.residual.ravel()
-        places = np.flatnonzero(problem.free[: len(self.names)])
-        return {
-            self.names[at]: abs(move / self.point[at])
-            for at, move in zip(places.tolist(), moves.tolist(), strict=True)
-            if self.point[at]
-        }
+        freer = replace(problem, start=self.parameters.freed("delay"))
+        moves = freer.by_rows(self.point) @ problem.residual(self.point)
+        pairs = zip(self.parameters, moves.tolist(), strict=True)
+        return {one.key: abs(by / one.value) for one, by in pairs if one.free and one.value}
 
     def has(self, departure: str) -> bool:
         """Return whether a departure is fitted along: any filter turns the phase like a delay."""
@@ -104,31 +175,23 @@ class FundamentalFit(OscillatorFit):
     @cached_property
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
-        records = range(len(self.problem.lines))
-        return tuple(self.problem.response(self.point, i) for i in records)
-
-    @property
-    def misfit(self) -> float:
-        """χ² per degree of freedom, in units of the noise."""
-        return self.chi_square / self.freedom
+        records = range(self.residual.shape[1])
+        return tuple(self.problem.exact.response(self.point, i) for i in records)
 
     @property
     def scatter(self) -> float:
         """Root mean square of what the rows leave, relative to the drive."""
         return math.sqrt(float(np.sum(self.residual**2)) / self.freedom)
 
-    def interval(self, name: str) -> tuple[float, float]:
-        """Return the 95 % interval of a common unknown, in its unit, with Student's t for the scatter of the rows."""
-        reach = float(self.reach[self.names.index(name)])
-        return self.value(name) - reach, self.value(name) + reach
-
     def moved(self, relative: Complexes) -> Array:
         """Return the relative change of the common unknowns, (p, …), with that of the Z of each record, (n, …)."""
-        Z = _data(self.problem)[0]
-        part = (relative.T * Z / np.abs(Z)).T
-        by = self.by_rows @ np.concatenate([part.real, part.imag])
+        problem = self.problem
+        part = (relative.T * problem.lines.Z).T
+        rows = np.concatenate(
+            [(part.real.T / problem.sigma[0]).T, (part.imag.T / problem.sigma[1]).T]
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray((by.T / self.point[: len(self.names)]).T)
+            return np.asarray(((self._by_rows @ rows).T / self.point).T)
 
 
 def fit_fundamentals(
@@ -139,15 +202,16 @@ def fit_fundamentals(
 
     lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
     """
-    fit = _with(HarmonicProblem(law or Law(), tuple(lines), k))
+    exact = HarmonicProblem(law or Law(), tuple(lines), k)
+    fit = _with(FundamentalProblem.of_records(exact))
     while fit is not None:
-        freed = fit.problem.freed
-        problems = (
-            replace(fit.problem, freed=(*freed, name))
-            for name in ("delay", "k_3")
-            if name not in freed
-        )
-        others = (_with(problem, fit.point) for problem in problems) if _shows(fit) else ()
+        others: list[FundamentalFit | None] = []
+        if _shows(fit):
+            along = [name for name in ("delay", "k_3") if name not in fit.departures]
+            freer = [
+                FundamentalProblem.of_records(exact, (*fit.departures, name)) for name in along
+            ]
+            others = [_with(problem, fit) for problem in freer]
         better = min(filter(None, others), key=lambda one: one.chi_square, default=None)
         if better is None or not _shows(fit, better):
             break
@@ -155,7 +219,7 @@ def fit_fundamentals(
     if fit is None or not fit.rigid or fit.has("delay"):
         return fit
     # a turn of the phase takes off what a contact adds to the stiffness of low levels
-    return _with(replace(fit.problem, freed=(*fit.problem.freed, "delay")), fit.point) or fit
+    return _with(FundamentalProblem.of_records(exact, (*fit.departures, "delay")), fit) or fit
 
 
 def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
@@ -168,177 +232,63 @@ def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
     return F > 0.0 and bool(special.fdtrc(1.0, freedom, F) < P_CAUSE)
 
 
-def _with(problem: HarmonicProblem, near: Array | None = None) -> FundamentalFit | None:
-    """Return the fit with the unknowns that a problem frees; None without degrees of freedom left. near : a point to
-    start from, too."""
-    lines, damping = problem.lines, len(problem.law.unknowns)
-    # stiffness, mass and the departures come from the in-phase rows, damping from those in quadrature
-    freedom = np.array([len(lines) - len(problem.freed), len(lines) - damping])
-    if freedom.min() < 1:
+def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFit | None:
+    """Return the fit with the unknowns that a problem frees; None without degrees of freedom left. near : a fit from
+    which to start."""
+    if problem.degrees.min() < 1.0:
         return None
-    ends = [end for at in _starts(problem, near) if (end := _fitted(problem, at)) is not None]
+    problem = problem.prepared()
+    found = climbs(problem, _starts(problem, near), math.inf)
+    ends = [end for at in found if (end := _fitted(problem, at.parameters)) is not None]
     if not ends:
         return None
-    point, off, slopes = min(ends, key=lambda end: end.size)
-    for at, one in zip(problem.at, lines, strict=True):
-        point[at["Y"]] = one.Y
-    Z, error = _data(problem)
-    by_rows = np.zeros((len(problem.names), 2 * len(lines)))
-    common = problem.free[: len(by_rows)]
-    by_rows[common] = np.linalg.pinv(np.concatenate([slopes.real, slopes.imag], axis=1).T)
-    residual = np.stack([off.real, off.imag])
-    scattered = np.repeat(np.sum(residual**2, axis=1) / freedom, len(lines))
-    t = np.repeat(special.stdtrit(freedom, 0.975), len(lines))
-    noise = np.tile((error / np.abs(Z)) ** 2, 2)
-    of_scatter, of_noise = by_rows**2 @ (scattered * t**2), by_rows**2 @ noise
-    larger, rho = np.maximum(scattered, noise), problem.names.index("rho")
-    covariance = np.zeros((problem.size, problem.size))
-    covariance[: len(by_rows), : len(by_rows)] = (by_rows * larger) @ by_rows.T
-    return FundamentalFit(
-        k=problem.k,
-        point=point,
-        covariance=covariance,
-        chi_square=float(np.sum(residual.ravel() ** 2 / noise)),
-        rigid=bool(point[rho] <= problem.bounds(point).lower[rho]),
-        problem=problem,
-        residual=residual,
-        by_rows=by_rows,
-        reach=np.sqrt(np.maximum(of_scatter, NORMAL_95**2 * of_noise)),
-        freedom=int(freedom.sum()),
+    problem = min(ends, key=lambda end: end.size)
+    drives = {f"Y[{i}]": one.Y for i, one in enumerate(problem.exact.lines, 1)}
+    problem = replace(problem, start=problem.start.moved(**drives))
+    at, freedom = problem.start, problem.degrees
+    by = (
+        problem.by_rows(at.values)
+        * (problem.scatter(at.values, freedom)[0] / problem.sigma).ravel()
     )
+    fit = FundamentalFit(at, by @ by.T, 0.0, float(freedom.sum()), problem)
+    noise = fit.residual / np.asarray(problem.lines.error)
+    return replace(fit, chi_square=float(np.sum(noise**2)))
 
 
-def _starts(problem: HarmonicProblem, near: Array | None) -> list[Array]:
-    """Return points to start from: a point near, or those that balance the work of the fundamentals, the closest of
-    some contact stiffnesses; with each turn of the phase where that is fitted."""
-    points = [near] if near is not None else []
-    if near is None:
-        lines = [
-            replace(one, **{name: getattr(one, name)[:1] for name in ("n", "x", "x_error")})
-            for one in problem.lines
-        ]
-        candidates = starts(lines, problem.k)
-        # a rigid contact next to a soft one are two minima: four stiffnesses
-        first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:4]
-        points = [problem.start(candidate, np.ones(len(lines))) for candidate in candidates[first]]
-    if "delay" in problem.freed and near is not None:
-        points = [near.copy(), near.copy()]
-        # rad: a filter of a laboratory turns the phase by that much
-        for point, turn in zip(points, (-0.1, 0.1), strict=True):
-            point[problem.names.index("delay")] += turn / problem.lines[0].omega
-    return points
-
-
-def _data(problem: HarmonicProblem) -> tuple[Complexes, Array]:
-    """Return Z of each record, N/m, and the standard error of its real and of its imaginary part, (n,)."""
-    Z = np.array([problem.k * one.Y / one.x[0] for one in problem.lines])
-    return Z, np.abs(Z) * np.array([one.relative_error for one in problem.lines])
-
-
-def _describing(problem: HarmonicProblem, points: Array, motion: Complexes) -> Complexes:
-    """Return Z of each record by the describing function, N/m, (…, n).   points : (…, p).   motion : x_1, m, (n,)."""
-    omega, Y = np.transpose([(one.omega, one.Y) for one in problem.lines])
-    X, phi = np.abs(motion), -np.angle(motion)
-
-    def of(name: str) -> Array:
-        return np.asarray(points[..., [at[name] for at in problem.at]])
-
-    friction, K_z = of(FRICTION), of("rho") ** -2
-    held = np.clip(friction / (K_z * X), 0.0, 1.0)  # Z_m/X; a difference may step below zero
-    theta = 2.0 * np.arcsin(np.sqrt(held))  # cos ϑ = 1 − 2 sin² ϑ/2
-    # below 0.01 the first term of the series holds to 1e-5
-    part = np.where(theta > 1e-2, theta - np.sin(theta) * np.cos(theta), theta**3 / 1.5)
-    energy = 4.0 * friction * X * (1.0 - held)
-    for symbol in problem.law.terms:
-        if symbol != FRICTION:
-            energy = energy + of(symbol) * term(symbol).harmonic(omega, X, Y, phi, problem.k)
-    in_phase = problem.k - of("m") * omega**2 + K_z * part / math.pi
-    return np.asarray(in_phase + 1j * energy / (math.pi * X**2))
-
-
-def _read(problem: HarmonicProblem, points: Array, Z: Complexes) -> Complexes:
-    """Return Z of each record as its channels read it, with what a spring that is not linear adds, N/m, (…, n)."""
-    omega, X = np.transpose([(one.omega, abs(one.x[0])) for one in problem.lines])
-    k_3, delay = (points[..., problem.names.index(name)] for name in ("k_3", "delay"))
-    return np.asarray((Z + 0.75 * k_3[..., None] * X**2) * np.exp(1j * omega * delay[..., None]))
-
-
-def _linearised(
-    problem: HarmonicProblem, point: Array, scale: Array, correction: Complexes
-) -> tuple[Complexes, Complexes]:
-    """Return Z of each record, N/m, (n,), and its derivatives by the common unknowns that are fitted, (p, n).
-
-    scale : sizes below which an unknown counts as zero.   correction : of the describing function, N/m, (n,).
-    """
-    motion = np.array([one.x[0] for one in problem.lines])
-    free = np.flatnonzero(problem.free[: len(problem.names)])
-    sizes = _STEP * np.maximum(np.abs(point), scale)[free]
-    points = np.tile(point, (2, free.size + 1, 1))
-    points[0, np.arange(free.size), free] += sizes
-    points[1, np.arange(free.size), free] -= sizes
-    more, less = _read(problem, points, _describing(problem, points, motion) + correction)
-    return more[-1], np.asarray((more - less)[:-1] / (2.0 * sizes[:, None]))
-
-
-def _fundamental(problem: HarmonicProblem, point: Array, i: int) -> complex:
-    """Return x_1 of the exact motion of a record without departures, with what the harmonics of its base add, m.
-
-    Raises NO_MOTION.
-    """
-    bare = point.copy()
-    bare[[problem.names.index(name) for name in problem.nuisances]] = 0.0
-    response = problem.response(bare, i)
-    added = added_by_base(problem.lines[i].base, response, 1)
-    return complex(response.harmonics(1)[0] + added[0])
-
-
-class _End(NamedTuple):
-    """A point, (model − data)/|Z| there, (n,), and its derivatives by the unknowns that are fitted, (p, n)."""
-
-    point: Array
-    off: Complexes
-    slopes: Complexes
-
-    @property
-    def size(self) -> float:
-        """Norm of the residuals."""
-        return float(np.linalg.norm(self.off))
-
-
-def _fitted(problem: HarmonicProblem, start: Array) -> _End | None:
-    """Return the end of a climb to the fundamentals; None where there is no motion."""
-    Z, error = _data(problem)
-    unit = np.abs(Z) * math.sqrt(float(np.mean((error / np.abs(Z)) ** 2)))
-    motion = np.array([one.x[0] for one in problem.lines])
-    free, bounds = np.flatnonzero(problem.free[: len(problem.names)]), problem.bounds(start)
-    correction, point, best = np.zeros_like(Z), start, None
-
-    def products(at: Array, out: Array) -> bool:
-        whole = np.zeros((at.size + 1, Z.size), dtype=np.complex128)
-        model, slopes = _linearised(problem, at, bounds.scale, correction)
-        whole[free], whole[-1] = slopes / unit, (model - Z) / unit
-        out[:] = (whole @ whole.conj().T).real
-        return True
-
+def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProblem | None:
+    """Return the problem at the end of climbs from a start, corrected; None where there is no motion."""
+    best = None
     # the correction is a few per cent, and falls by a factor of ten each time
     for _ in range(8):
-        # a gain of 4 % of a standard error of the noise, and less of the scatter
-        reached = climb(products, as_parameters(point, bounds), gain=1e-3)
-        if reached is None:
+        corrected = problem.corrected(start)
+        # a gain that does not matter
+        if corrected is None or (best is not None and corrected.size > 0.999 * best.size):
             break
-        point = reached.point.copy()
-        linear = _describing(problem, point, motion) + correction
-        for at, drive in zip(problem.at, np.abs(linear * motion), strict=True):
-            point[at["Y"]] = drive / problem.k  # moves the mass as far as it was read
-        try:
-            moved = [_fundamental(problem, point, i) for i in range(Z.size)]
-        except NO_MOTION:
-            break
-        exact = np.array(moved)
-        correction = np.abs(linear * motion) / exact - _describing(problem, point, exact)
-        model, slopes = _linearised(problem, point, bounds.scale, correction)
-        end = _End(point, (model - Z) / np.abs(Z), slopes / np.abs(Z))
-        if best is not None and end.size > 0.999 * best.size:  # a gain that does not matter
-            break
-        best = end
+        problem = best = corrected
+        start = problem.climbed
     return best
+
+
+def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Parameters]:
+    """Return where to start: near a fit, or where the work of the fundamentals is balanced, the closest of some contact
+    stiffnesses; with each turn of the phase where that is fitted."""
+    exact, places = problem.exact, problem.start.places
+    if near is None:
+        one_harmonic = [
+            replace(one, **{name: getattr(one, name)[:1] for name in ("n", "x", "x_error")})
+            for one in exact.lines
+        ]
+        candidates = starts(one_harmonic, exact.k)
+        # a rigid contact next to a soft one are two minima: four stiffnesses
+        first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:4]
+        points = [exact.start(candidate).values for candidate in candidates[first]]
+    else:
+        points = [near.point]
+    if "delay" in problem.departures and near is not None:
+        # rad: a filter of a laboratory turns the phase by that much
+        turns, points = np.array([-0.1, 0.1]) / problem.lines.omega[0], [near.point, near.point]
+        points = [
+            point + turn * np.eye(point.size)[places["delay"]]
+            for point, turn in zip(points, turns, strict=True)
+        ]
+    return [problem.climbed.at(np.where(problem.solved, 0.0, point)) for point in points]

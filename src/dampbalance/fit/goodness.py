@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import special
 
-from ..arrays import Complexes
+from ..arrays import Array, Complexes
 from ..law.terms import term
 from ..signals.lines import Lines
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
@@ -112,3 +112,10 @@ def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> floa
         return 1.0
     of_errors = sum(one.error_freedom for one in lines)
     return float(special.fdtrc(freedom, of_errors, chi_square / freedom))
+
+
+def as_good(scores: Array, others: Array) -> bool:
+    """Return whether the misfits of a law to levels are no larger than another's, within one standard error of the
+    difference over levels."""
+    worse = scores - others
+    return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)

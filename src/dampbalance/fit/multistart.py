@@ -15,12 +15,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from .climb import GAIN, Climb, climb
+from .climb import GAIN, MOST_EVALUATIONS, Climb, climb
 from .errors import inverse_information
 from .parameters import Parameters
 
@@ -32,19 +34,21 @@ WAY = 1e-2
 
 _ON_THE_WAY = 12  # evaluations of such a climb: twice what one in a valley takes
 _ABOVE = 30.0  # of χ²: a minimum so far up has a likelihood of 3e-7
+_NEARLY = 1.001  # of χ²: two ends that differ by less are taken for one
 _SAME = 0.5  # standard errors: two climbs that end so close ended in one minimum
 
 
 class Trail:
-    """What a climb learns on its way.
+    """What a search learns and spends on its way.
 
     near : the last motion of each record, by its number: where the next one starts.   left : evaluations that may still
-    be made; a motion that is dear counts for several.
+    be made; a motion that is dear counts for several.   made : evaluations of all climbs.
     """
 
     def __init__(self, left: float = math.inf) -> None:
         self.near: dict[int, Any] = {}
         self.left = left
+        self.made = 0
 
 
 def climb_on(
@@ -56,33 +60,35 @@ def climb_on(
     def evaluate(values: Array, out: Array) -> bool:
         return bool(problem.products(values, start.free, trail, out))
 
-    return climb(evaluate, start, **options)
+    end = climb(evaluate, start, **options)
+    trail.made += 1 if end is None else end.evaluations
+    return end
 
 
 def distinct(ends: Iterable[Climb | None], above: float = _ABOVE) -> list[Climb]:
-    """Return the lowest ends of climbs that differ in what all records share, at most ten, the lowest first.
+    """Return the lowest ends of climbs that differ, at most ten, the lowest first.
 
     above : of χ², beyond the lowest, from where on ends are left out.
     """
     kept: list[Climb] = []
-    errors, shared = np.ones(0), np.ones(0, dtype=np.bool_)
+    errors = np.ones(0)
     for end in sorted(filter(None, ends), key=lambda one: one.chi_square):
         if kept and (end.chi_square > kept[0].chi_square + above or len(kept) == KEPT):
             break
-        apart = (np.abs(end.point - other.point)[shared] for other in kept)
-        if all((distance > _SAME * errors).any() for distance in apart):
+        if all((np.abs(end.point - other.point) > _SAME * errors).any() for other in kept):
             kept.append(end)
         if len(kept) == 1:
-            information = end.products[:-1, :-1]
-            covariance = inverse_information(information, np.full(len(information), math.inf))
-            shared = np.array([not group for group in end.parameters.groups])
-            errors = np.sqrt(np.diag(covariance))[shared]
+            none = np.full(end.point.size, math.inf)
+            covariance = inverse_information(end.products[:-1, :-1], none)
+            errors = np.sqrt(np.diag(covariance))
     return kept
 
 
-def climbs(problem: Any, starts: Iterable[Parameters], above: float = _ABOVE) -> list[Climb]:
+def climbs(
+    problem: Any, starts: Iterable[Parameters], above: float = _ABOVE, trail: Trail | None = None
+) -> list[Climb]:
     """Return the distinct ends of climbs from some starts, not quite to the end."""
-    ends = (climb_on(problem, start, gain=WAY, most=_ON_THE_WAY) for start in starts)
+    ends = (climb_on(problem, start, trail, gain=WAY, most=_ON_THE_WAY) for start in starts)
     return distinct(ends, above)
 
 
@@ -92,6 +98,8 @@ def multistart(
     *,
     scan: str = "",
     softening: Sequence[float] = (),
+    hopeless: float = math.inf,
+    refined: int = 0,
     budget: float = math.inf,
     enough: Callable[[Climb], bool] | None = None,
 ) -> list[Any]:
@@ -101,29 +109,53 @@ def multistart(
 
     scan : parameter along which χ² has several minima, a K_z^{−1/2}; empty for none.
     softening : parts of the amplitudes added to the errors, one after the other: a smooth way down.
+    hopeless : χ² per datum from which on a climb does not go on to less softening, unless it is one of the nearest where
+    none is enough: which of them is the best shows only then.   refined : number of these.
     budget : evaluations after which no other start is tried.   enough : whether an end needs no other start.
     """
     thin, trail = problem.thinned(), Trail(budget)
-    ends: list[Climb | None] = []
+    ends: list[Climb] = []
     for start in starts:
-        trail = Trail(trail.left)
-        for part in softening:
-            on = climb_on(thin.softened(part), start, trail, gain=WAY)
-            start = start if on is None else on.parameters
-        end = climb_on(thin, start, trail, gain=WAY, most=_ON_THE_WAY)
-        ends.append(end)
+        trail.near = {}
+        end = _down(thin, start, softening, hopeless, trail)
+        ends += [end] if end is not None else []
         if trail.left <= 0.0 or (end is not None and enough is not None and enough(end)):
             break
+    ends.sort(key=lambda one: one.chi_square)
+    if ends and refined and not (enough is not None and enough(ends[0])):
+        different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * _NEARLY]
+        for one in (ends[0], *different)[:refined]:
+            own = Trail(MOST_EVALUATIONS * (1.0 + len(softening[1:])))
+            ends += filter(None, [_down(thin, one.parameters, softening[1:], math.inf, own)])
+            trail.made += own.made
     found = distinct(ends)
     if found and scan and found[0].parameters[scan].free:
-        along = climbs(thin, minima_along(thin, found[0].parameters, scan))
-        found = distinct([*found, *along])
+        points = minima_along(thin, found[0].parameters, scan, trail)
+        found = distinct([*found, *climbs(thin, points, trail=trail)])
     if not found:
         return []
-    near = likely(found, problem, thin)
-    last = near if thin is problem else climbs(problem, [one.parameters for one in near])
-    full = (climb_on(problem, one.parameters, gain=GAIN) for one in last)
-    return [*filter(None, (problem.fit(one) for one in distinct(full)))]
+    near, trail.left = likely(found, problem, thin), max(trail.left, MOST_EVALUATIONS)
+    if thin is not problem:
+        near = climbs(problem, [one.parameters for one in near], trail=trail)
+    full = [climb_on(problem, one.parameters, trail, gain=GAIN, known=one.products) for one in near]
+    fits = filter(None, (problem.fit(one) for one in distinct(full)))
+    return [replace(one, evaluations=trail.made) for one in fits]
+
+
+def _down(
+    problem: Any, start: Parameters, softening: Sequence[float], hopeless: float, trail: Trail
+) -> Climb | None:
+    """Return where climbs from a start lead, with less and less softening; where they are hopeless, with χ² as it is."""
+    most = _ON_THE_WAY
+    for part in softening:
+        end = climb_on(problem.softened(part), start, trail, gain=WAY)
+        if end is None:
+            break
+        start = end.parameters
+        if end.chi_square > hopeless * problem.samples:
+            most = 1
+            break
+    return climb_on(problem, start, trail, gain=WAY, most=most)
 
 
 def likely(ends: Sequence[Climb], problem: Any, thin: Any) -> list[Climb]:
@@ -134,16 +166,20 @@ def likely(ends: Sequence[Climb], problem: Any, thin: Any) -> list[Climb]:
     return [one for one in ends if one.chi_square < level]
 
 
-def minima_along(problem: Any, start: Parameters, key: str) -> list[Parameters]:
+def minima_along(
+    problem: Any, start: Parameters, key: str, trail: Trail | None = None
+) -> list[Parameters]:
     """Return points at the minima of χ² along a parameter, an inverse root of a stiffness, the lowest ten."""
-    ends = profile(problem, start, key, problem.scan(start))
+    ends = profile(problem, start, key, problem.scan(start), trail)
     level = np.array([math.inf, *(end.chi_square for end in ends), math.inf])
     low = np.flatnonzero((level[1:-1] <= level[:-2]) & (level[1:-1] <= level[2:]))
     order = low[np.argsort(level[1 + low], kind="stable")][:KEPT]
     return [start.at(ends[i].point) for i in order]
 
 
-def profile(problem: Any, start: Parameters, key: str, values: Array) -> list[Climb]:
+def profile(
+    problem: Any, start: Parameters, key: str, values: Array, trail: Trail | None = None
+) -> list[Climb]:
     """Return the ends of short climbs with a parameter held at some values, from the best point either way, in the
     order of the parameter."""
     j, held = start.places[key], start.held(key)
@@ -152,7 +188,7 @@ def profile(problem: Any, start: Parameters, key: str, values: Array) -> list[Cl
     for some in (values[values >= start.values[j]], values[values < start.values[j]][::-1]):
         here = held
         for value in some.tolist():
-            end = climb_on(problem, here.moved(**{key: value}), gain=0.5, most=3)
+            end = climb_on(problem, here.moved(**{key: value}), trail, gain=0.5, most=3)
             if end is not None:
                 ends.append(end)
                 here = end.parameters

@@ -49,14 +49,14 @@ FORCES = ("friction_speed", "c_2", "k_3", "gradual")
 """Nuisances that are forces which the oscillator lacks."""
 
 
-def units_of(k: float, m: float, omega: float, X: float) -> dict[str, float]:
+def units_of(k: float, omega: float, X: float, Y: float) -> dict[str, float]:
     """Return the size of each nuisance that changes a motion by about as much as itself.
 
-    k, m : of the oscillator, N/m and kg.   omega, X : of the fastest record, rad/s, and of the largest motion, m.
+    k : N/m.   omega : of the fastest record, rad/s.   X, Y : of the largest motion and drive, m.
     """
     units = dict.fromkeys(NUISANCES, 1.0)
     units |= {"delay": 1.0 / omega, "corner": omega / (2.0 * math.pi)}
-    return units | {"c_2": math.sqrt(k * m) / (omega * X), "k_3": k / X**2}
+    return units | {"c_2": k * Y / (omega * X) ** 2, "k_3": k / X**2}
 
 
 def read_by_channels(

@@ -11,6 +11,7 @@ from scipy import special
 
 from ..arrays import Array
 from ..solver import NORMAL_95
+from .parameters import Parameter, Parameters
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,12 @@ class OscillatorFit(ABC):
     @abstractmethod
     def misfit(self) -> float:
         """How far the residual is from noise; 1 where it is noise."""
+
+    @property
+    def parameters(self) -> Parameters:
+        """The common unknowns, for callers that are ported; to be replaced."""
+        values = zip(self.names, self.point.tolist(), strict=False)
+        return Parameters.of(Parameter(name, value) for name, value in values)
 
     @property
     def common_covariance(self) -> Array:

@@ -16,15 +16,15 @@ Derivatives are differences of exact motions.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..law.law import Law
@@ -34,18 +34,19 @@ from ..motion.law_steady import Further, Response, added_by_base, steady_respons
 from ..motion.orbit import NoSteadyOrbit
 from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
-from .climb import Climb, ClimbBounds
+from .climb import Climb
+from .errors import inverse_information
+from .fit import Fit, OscillatorFit
 from .goodness import improbable
+from .multistart import Trail
 from .nuisances import FALLING, FOLDED, FORCES, NUISANCES, read_by_channels, units_of
-from .oscillator_fit import OscillatorFit
+from .parameters import Parameter, Parameters
 from .score import Departure, departures_from
+from .starts import Shares
 
 NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 """Errors of a point that has no motion to fit: no steady orbit, which is an ArithmeticError like a division by zero on
 the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
-
-OSCILLATOR = ("rho", "m")
-"""Common unknowns that are fitted in addition to the coefficients of the law."""
 
 MOST_RADIANS_SEARCHED = 5e5
 """Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
@@ -57,6 +58,8 @@ STIFFEST = 1e10
 TURNS_PER_EVALUATION = 200.0
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
 _MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on takes long
+_SMALL = 1e-3  # of the drive: the force of a damper that counts as none
+_LEAST = 1e-12  # of the drive and of its mass k/ω²: the least friction and mass
 _GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 # Odd harmonics of the waveform: beyond them lies less than 1e-6 of its velocity.
 _HARMONICS_OF_WAVEFORM = 128
@@ -77,23 +80,14 @@ class HarmonicProblem:
     A point has the coefficients of the law, ρ = K_z^{−1/2}, the mass m and the nuisances, which are common to all
     records, or to a group of them; then Y and the phase ψ of the base of each record.
 
-    law : of the damping.
-    lines : harmonics of the records.
-    k : stiffness, N/m, given.
-    freed : names of common unknowns that are fitted in addition to those of the law.
+    law : of the damping.   lines : harmonics of the records.   k : stiffness, N/m, given.
     softening : part of the amplitudes added to the errors.
-    budget : evaluations that may still be made, (1,), changed by each: a light mass that swings on while it sticks
-    takes as long as many others, and ends the climb early.
-    near : the last motion of each record, from which the next starts.
     """
 
     law: Law
     lines: tuple[Lines, ...]
     k: float
-    freed: tuple[str, ...] = OSCILLATOR
     softening: float = 0.0
-    budget: Array = field(default_factory=lambda: np.array([math.inf]))
-    near: dict[int, Response] = field(default_factory=dict)
 
     @cached_property
     def nuisances(self) -> tuple[str, ...]:
@@ -101,54 +95,116 @@ class HarmonicProblem:
         return tuple(name for name in NUISANCES if name not in self.law.terms)
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
-        """Names of the common unknowns: the keys of the coefficients, rho, m and the nuisances."""
-        return (*self.law.keys, *OSCILLATOR, *self.nuisances)
+    def parameters(self) -> Parameters:
+        """All unknowns, at rest under the drives that were read; the least ρ stands for a rigid contact. Free are those
+        of the law, ρ and m, Y and ψ, and what folds where it makes a difference."""
+        fastest = max(one.omega for one in self.lines)
+        X, Y = (max(sizes) for sizes in zip(*((abs(one.x[0]), one.Y) for one in self.lines)))
+        units = units_of(self.k, fastest, X, Y)
+        scale = {
+            self.law.key(s, i): _SMALL
+            * (self.k * one.Y / (one.omega * abs(one.x[0])))
+            * equivalent_coefficient(s, one, self.k)
+            for s in self.law.terms[1:]
+            for i, one in enumerate(self.lines)
+        }
+        rows = []
+        for key in self.law.keys:
+            value, free = self.law.given.get(key, 0.0), key not in self.law.given
+            low = 0.0 if key in scale else _LEAST * self.k * Y
+            rows.append(
+                Parameter(
+                    key.symbol,
+                    value,
+                    low,
+                    free=free,
+                    scale=scale.get(key, 0.0),
+                    group=key.group or "",
+                )
+            )
+        rows += [
+            Parameter("rho", 0.0, 1.0 / math.sqrt(STIFFEST * self.k), scale=0.0),
+            Parameter("m", 0.0, _LEAST * self.k / fastest**2, scale=0.0),
+        ]
+        folds = any(one.folds is not None for one in self.lines)
+        for name in self.nuisances:
+            low, high = (units[name] * limit for limit in NUISANCES[name])
+            free = folds and name == FOLDED
+            rows.append(Parameter(name, 0.0, low, high, free, units[name]))
+        for i, one in enumerate(self.lines, 1):
+            rows.append(Parameter("Y", one.Y, 1e-3 * one.Y, scale=one.Y, group=str(i)))
+            rows.append(Parameter("psi", 0.0, group=str(i)))
+        return Parameters.of(rows)
 
-    @property
-    def size(self) -> int:
-        """Number of unknowns."""
-        return len(self.names) + 2 * len(self.lines)
+    def start(self, candidate: Array) -> Parameters:
+        """Return the unknowns of an oscillator (F_k, c, K_z, m) of `starts`; friction differs by the `shares` of groups,
+        and the work of c is shared out among the terms that are not given."""
+        F_k, c, K_z, m = candidate.tolist()
+        law, values = self.law, {"rho": K_z**-0.5, "m": m}
+        equivalents = {s: float(np.median(self.equivalents(s))) for s in law.terms}
+        known = math.fsum(p / equivalents[s] for s, p in law.given.items() if s != FRICTION)
+        free = [s for s in law.terms[1:] if s not in law.given]
+        for i, part in enumerate(self.shares.friction.tolist()):
+            values[law.key(FRICTION, i)] = F_k * part
+            for s in free:
+                values[law.key(s, i)] = max(c - known, 0.0) / len(free) * equivalents[s]
+        return self.parameters.moved(**{**values, **law.given})
+
+    def like(self, fit: Fit) -> Parameters:
+        """Return the unknowns where another fit has them, under its drives and without its nuisances."""
+        kept = {*self.parameters.keys} - {*self.nuisances} - {*self.law.given}
+        return self.parameters.moved(**{s: fit.value(s) for s in kept if s in fit.parameters})
+
+    @cached_property
+    def shares(self) -> Shares:
+        """Shares of F_k and c in each record: the friction of its group over the mean of all groups, if all work went
+        into friction; the work of the terms that are not given, over the median of the records."""
+        law, lines = self.law, self.lines
+        labels = law.groups.get(FRICTION, ("",) * len(lines))
+        alone = np.array(
+            [max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines]
+        )
+        means = {label: alone[[other == label for other in labels]].mean() for label in labels}
+        force = np.array([means[label] for label in labels])
+        equivalents = [self.equivalents(s) for s in law.terms[1:] if s not in law.given]
+        damping = np.ones(len(lines))
+        if equivalents:
+            damping = np.mean([np.median(of) / of for of in equivalents], axis=0)
+        return Shares(force / np.mean(list(means.values())), damping)
 
     @property
     def samples(self) -> int:
         """Number of data: |Y|, its phase, and the harmonics of each record."""
-        return sum(2 + 2 * one.n.size for one in self.lines)
+        return self.places[-1].stop
+
+    @cached_property
+    def places(self) -> tuple[slice, ...]:
+        """Places of each record's data: |Y|, its phase, Re x_n, Im x_n."""
+        ends = np.cumsum([0, *(2 + 2 * one.n.size for one in self.lines)]).tolist()
+        return tuple(itertools.starmap(slice, itertools.pairwise(ends)))
 
     def thinned(self) -> HarmonicProblem:
         """Return the problem itself: harmonics are few."""
         return self
 
-    def is_free(self, name: str) -> bool:
-        """Return whether a common unknown is fitted."""
-        return bool(self.free[self.names.index(name)])
-
-    @cached_property
-    def free(self) -> Mask:
-        """Which unknowns are fitted, (size,)."""
-        folded = (FOLDED,) * any(one.folds is not None for one in self.lines)
-        fitted = {*self.law.unknowns, *self.freed, *folded}
-        return np.array([not {*self.names[i : i + 1]} - fitted for i in range(self.size)])
+    def softened(self, part: float) -> HarmonicProblem:
+        """Return the problem with a part of the amplitudes added to the errors."""
+        return replace(self, softening=part)
 
     @cached_property
     def at(self) -> list[dict[str, int]]:
         """Places of the unknowns of each record: those of its law by symbol, rho, m, the nuisances, Y and psi."""
-        others = {name: self.names.index(name) for name in (*OSCILLATOR, *self.nuisances)}
-        places = []
-        for i in range(len(self.lines)):
-            common = {s: self.names.index(self.law.key(s, i)) for s in self.law.terms}
-            own = len(self.names) + 2 * i
-            places.append(common | others | {"Y": own, "psi": own + 1})
-        return places
+        places, shared = self.parameters.places, ("rho", "m", *self.nuisances)
+        return [
+            {s: places[self.law.key(s, i)] for s in self.law.terms}
+            | {name: places[name] for name in shared}
+            | {name: places[f"{name}[{i + 1}]"] for name in ("Y", "psi")}
+            for i in range(len(self.lines))
+        ]
 
     def equivalents(self, symbol: str) -> Array:
         """Return the `equivalent_coefficient` of a term in each record, (n,)."""
         return np.array([equivalent_coefficient(symbol, one, self.k) for one in self.lines])
-
-    def friction(self, points: Array) -> Array:
-        """Return F_k of points, (p, …), N; the mean over the groups, where it has some."""
-        places = [self.names.index(key) for key in self.law.keys_of(FRICTION)]
-        return points[places].mean(axis=0)
 
     @cached_property
     def _levels(self) -> Array:
@@ -219,16 +275,23 @@ class HarmonicProblem:
         return np.asarray(x * np.exp(1j * n * point[at["psi"]]))
 
     def slopes(
-        self, point: Array, record: int, read: Callable[[Array, Response], NDArray[Any]]
+        self,
+        point: Array,
+        free: Mask,
+        record: int,
+        response: Response,
+        read: Callable[[Array, Response], NDArray[Any]],
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Return what is read off a record at a point, (any,), and its derivatives by the unknowns that are fitted, ψ
-        apart, (any, size), by differences. read : of a point and the record's motion there. Raises NO_MOTION."""
-        response = self.near[record]
+        """Return what is read off a record at a point, (any,), and its derivatives by the unknowns that are free, ψ
+        apart, (any, size), by differences.
+
+        response : the record's motion there.   read : of a point and the motion.   Raises NO_MOTION.
+        """
         here = read(point, response)
-        slopes = np.zeros((here.size, self.size), dtype=here.dtype)
-        steps = _STEP / (1.0 + response.swings) * np.maximum(np.abs(point), self._units(point))
+        slopes = np.zeros((here.size, point.size), dtype=here.dtype)
+        steps = _STEP / (1.0 + response.swings) * np.maximum(np.abs(point), self.parameters.scale)
         for name, j in self.at[record].items():
-            if not self.free[j] or name == "psi":
+            if not free[j] or name == "psi":
                 continue
             beside = point.copy()
             # of a force that the law does not have, several slips leave unknown what it does
@@ -243,131 +306,74 @@ class HarmonicProblem:
             slopes[:, j] = (there - here) / (beside[j] - point[j])
         return here, slopes
 
-    def start(self, candidate: Array, relative: Array) -> Array:
-        """Return the point of an oscillator (F_k, c, K_z, m) of `starts`.
-
-        relative : friction of each record over F_k.   The work of c is shared out among the terms that are not given.
-        """
-        F_k, c, K_z, m = candidate.tolist()
-        law, point = self.law, np.zeros(self.size)
-        equivalents: dict[str, float] = {
-            s: float(np.median(self.equivalents(s))) for s in law.terms
-        }
-        known = math.fsum(p / equivalents[s] for s, p in law.given.items() if s != FRICTION)
-        free = [s for s in law.terms[1:] if s not in law.given]
-        for i, one in enumerate(self.lines):
-            at = self.at[i]
-            point[at[FRICTION]] = law.given.get(FRICTION, F_k * relative[i])
-            for s in law.terms[1:]:
-                share = max(c - known, 0.0) / max(1, len(free)) * equivalents[s]
-                point[at[s]] = law.given.get(s, share)
-            point[at["rho"]], point[at["m"]], point[at["Y"]] = K_z**-0.5, m, one.Y
-        return point
-
-    def _units(self, point: Array) -> Array:
-        """Return the size below which an unknown counts as zero, (size,)."""
-        m = float(point[self.names.index("m")])
-        fastest = max(self.lines, key=lambda one: one.omega)
-        X = max(float(abs(one.x[0])) for one in self.lines)
-        nuisances, units = units_of(self.k, m, fastest.omega, X), np.ones(self.size)
-        for at, one in zip(self.at, self.lines, strict=True):
-            small = 1e-3 * math.sqrt(self.k * m)
-            for symbol in self.law.terms[1:]:
-                units[at[symbol]] = small * equivalent_coefficient(symbol, one, self.k)
-            for name in (FRICTION, "m"):
-                units[at[name]] = point[at[name]]
-            units[at["rho"]] = 1e-3 * point[at["rho"]]
-            for name in self.nuisances:
-                units[at[name]] = nuisances[name]
-            units[at["Y"]] = one.Y
-        return units
-
-    def bounds(self, point: Array) -> ClimbBounds:
-        """Return the bounds of a climb from a point; the least ρ stands for a rigid contact."""
-        lower, upper = np.zeros(self.size), np.full(self.size, math.inf)
-        units = self._units(point)
-        for at, one in zip(self.at, self.lines, strict=True):
-            lower[at[FRICTION]] = 1e-9 * point[at[FRICTION]]
-            lower[at["m"]] = 1e-6 * point[at["m"]]
-            lower[at["rho"]] = 1.0 / math.sqrt(STIFFEST * self.k)
-            lower[at["psi"]] = -math.inf
-            lower[at["Y"]] = 1e-3 * one.Y
-            for name in self.nuisances:
-                lower[at[name]], upper[at[name]] = units[at[name]] * np.array(NUISANCES[name])
-        return ClimbBounds(self.free.copy(), lower, upper, units)
-
-    def scan(self, point: Array) -> Array:
+    def scan(self, parameters: Parameters) -> Array:
         """Return values of ρ at which to look for other minima of χ², to a fifth and to five times the K_z of a point.
 
         A contact that sticks for N swings rings in step with the records at every K_z that changes N by one,
         Δ ln K_z = 2/N: four steps lead from one of them to the next. Near the point kinks of χ² lie close together.
         """
-        swings = max(self.response(point, i).swings for i in range(len(self.lines)))
+        swings = max(self.response(parameters.values, i).swings for i in range(len(self.lines)))
         step = max(0.5 / max(swings, 1.0), 2.0 * _REACH / _MOST_STIFFNESS_STEPS)
         away = np.array([*_CLOSER, *range(1, 1 + int(_REACH / step))]) * step
-        values: Array = point[self.names.index("rho")] * np.exp(0.5 * np.append(away, -away))
+        values: Array = parameters["rho"].value * np.exp(0.5 * np.append(away, -away))
         return values
 
-    def products(self, point: Array, out: Array) -> bool:
+    def products(self, values: Array, free: Mask, trail: Trail, out: Array) -> bool:
         """Set `out` to the products of derivatives and residuals, as `climb` takes them."""
-        whole = self.evaluate(point)
+        whole = self.evaluate(values, free, trail)
         if whole is not None:
             np.matmul(whole.T, whole, out=out)
         return whole is not None
 
-    def evaluate(self, point: Array) -> Array | None:
-        """Return derivatives of the residuals by the unknowns that are fitted and, in the last column, the residuals
+    def evaluate(self, values: Array, free: Mask, trail: Trail) -> Array | None:
+        """Return derivatives of the residuals by the unknowns that are free and, in the last column, the residuals
         themselves, (n, p + 1); None where nothing slips, there is no orbit, the contact rattles, or no evaluation is
-        left."""
-        if self.budget[0] <= 0.0:
+        left: a light mass that swings on while it sticks takes as long as many others."""
+        if trail.left <= 0.0:
             return None
         try:
-            blocks = [self._block(point, i) for i in range(len(self.lines))]
+            blocks = [self._block(values, free, i, trail) for i in range(len(self.lines))]
         except NO_MOTION:
             return None
-        slips = any(self.near[i].slips for i in range(len(self.lines)))
+        slips = any(trail.near[i].slips for i in range(len(self.lines)))
         return np.vstack(blocks) if slips else None
 
-    def _follow(self, point: Array, i: int) -> Response:
+    def _follow(self, point: Array, i: int, trail: Trail) -> Response:
         """Return the motion of a record.   Raises NO_MOTION, perhaps after a long search."""
+        share = 1.0 / len(self.lines)
         try:
-            response = self.response(point, i, self.near.get(i))
+            response = self.response(point, i, trail.near.get(i))
         except NoSteadyOrbit:
-            self._spend(MOST_RADIANS_SEARCHED / (2.0 * math.pi * TURNS_PER_EVALUATION))
+            trail.left -= share * MOST_RADIANS_SEARCHED / (2.0 * math.pi * TURNS_PER_EVALUATION)
             raise
-        self.near[i] = response
+        trail.near[i] = response
         par = response.orbit.parameters
         # or the decay of a velocity by e^{2π} where a light mass creeps in a strong damper
         turns = max(response.swings, 0.5 * par.c / par.m / par.omega)
         if len(response.orbit.phases) > _MOST_PHASES_FITTED or turns > _MOST_TURNS:
             raise NoSteadyOrbit("the contact rattles")
-        self._spend(1.0 + turns / TURNS_PER_EVALUATION)
+        trail.left -= share * (1.0 + turns / TURNS_PER_EVALUATION)
         return response
 
-    def _spend(self, cost: float) -> None:
-        self.budget[0] -= cost / len(self.lines)
-
-    def _block(self, point: Array, i: int) -> Array:
+    def _block(self, point: Array, free: Mask, i: int, trail: Trail) -> Array:
         """Return the rows of a record: |Y|, its phase, Re x_n, Im x_n.   Raises NO_MOTION."""
-        self._follow(point, i)
+        near = self._follow(point, i, trail)
         one, at, count = self.lines[i], self.at[i], self.lines[i].n.size
         # slopes leave out how the harmonics of the base, which are small, act otherwise beside a point
-        added = added_by_base(one.base / (1.0 + point[at["gain"]]), self.near[i], count)
+        added = added_by_base(one.base / (1.0 + point[at["gain"]]), near, count)
 
         def read(at: Array, response: Response) -> Complexes:
             folded = self.folded(at, i, response)
             return self.harmonics(at, i, response, count, added) + folded
 
-        x, by = self.slopes(point, i, read)
+        x, by = self.slopes(point, free, i, near, read)
         by[:, at["psi"]] = 1j * one.n * x
         error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
         Y_error = math.hypot(one.Y_error, self.softening * one.Y)
         gain, Y = 1.0 + point[at["gain"]], point[at["Y"]]
         block = np.zeros((2 + 2 * count, point.size + 1))
-        block[0, at["Y"]], block[0, at["gain"]] = (
-            gain / Y_error,
-            Y / Y_error * self.free[at["gain"]],
-        )
+        block[0, at["Y"]] = gain / Y_error
+        block[0, at["gain"]] = Y / Y_error * free[at["gain"]]
         block[0, -1] = (gain * Y - one.Y) / Y_error
         block[1, at["psi"]] = one.Y / Y_error
         block[1, -1] = point[at["psi"]] * one.Y / Y_error
@@ -376,39 +382,31 @@ class HarmonicProblem:
             x[0] -= gain * Y * turned - one.of_base * one.Y
             by[0, at["Y"]] -= gain * turned
             by[0, at["psi"]] -= 1j * gain * Y * turned
-            by[0, at["gain"]] -= Y * turned * self.free[at["gain"]]
+            by[0, at["gain"]] -= Y * turned * free[at["gain"]]
         scaled = np.column_stack([by, x - one.x]) / error[:, None]
         block[2:] = np.vstack([scaled.real, scaled.imag])
         return block
 
+    def explains(self, end: Climb | Fit) -> bool:
+        """Return whether such an oscillator explains the records within their noise."""
+        freedom = self.samples - int(np.count_nonzero(end.parameters.free))
+        return not improbable(end.chi_square, freedom, self.lines)
+
     def fit(self, end: Climb) -> WaveformFit | None:
-        """Return the fit at the end of a climb, with the errors of the records as they are; None where it has no
-        motion."""
-        point = end.point
-        problem = replace(self, softening=0.0, budget=np.array([math.inf]))
-        here = problem.evaluate(point)
-        if here is None:
-            return None
-        residual, jacobian = here[:, -1], here[:, :-1]
-        response = np.zeros((self.size, residual.size))
-        response[self.free] = np.linalg.pinv(jacobian[:, self.free])
-        sizes = [2 + 2 * one.n.size for one in self.lines]
-        ends, rho = np.cumsum(sizes).tolist(), self.names.index("rho")
-        return WaveformFit(
-            k=self.k,
-            point=point,
-            covariance=response @ response.T,
-            chi_square=float(residual @ residual),
-            rigid=bool(point[rho] <= self.bounds(point).lower[rho]),
-            problem=problem,
-            residual=residual,
-            response=response,
-            places=tuple(slice(end - n, end) for end, n in zip(ends, sizes, strict=True)),
-            freedom=residual.size - int(np.count_nonzero(self.free)),
-            promise=end.promise,
-            undamped=tuple(k for k in self.law.unknowns if point[self.names.index(k)] <= 0.0),
+        """Return the fit at the end of a climb; None where its motions are not found again from nothing."""
+        fit = WaveformFit(
+            parameters=end.parameters,
+            covariance=inverse_information(end.products[:-1, :-1], end.parameters.prior),
+            chi_square=end.chi_square,
+            freedom=self.samples - int(np.count_nonzero(end.parameters.free)),
+            problem=self,
             evaluations=end.evaluations,
+            promise=end.promise,
         )
+        try:
+            return fit if fit.responses else None
+        except NO_MOTION:
+            return None
 
 
 def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
@@ -421,29 +419,10 @@ def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
     return viscous / float(term(symbol).harmonic(one.omega, X, 0.0, 0.0, k))
 
 
-@dataclass(frozen=True, eq=False)
 class WaveformFit(OscillatorFit):
-    """The oscillator whose waveforms fit the harmonics of n records best.
-
-    problem : names and places of the p unknowns, and the harmonics of the records.
-    residual : (model − data)/σ, (data,).
-    response : derivatives of the point by the data in units of their errors, (p, data): dp = response · d(data)/σ; the
-    data of a record are |Y|, its phase, Re x_n, Im x_n.
-    places : places of each record's data.
-    freedom : degrees of freedom.
-    undamped : keys of the coefficients that are at zero.
-    promise : what another step of the climb would gain in −log L, were the residuals linear.
-    evaluations : evaluations that the search took.
-    """
+    """The oscillator whose waveforms fit the harmonics of n records best."""
 
     problem: HarmonicProblem
-    residual: Array
-    response: Array
-    places: tuple[slice, ...]
-    freedom: int
-    undamped: tuple[str, ...]
-    promise: float
-    evaluations: int = 0
 
     @property
     def lines(self) -> tuple[Lines, ...]:
@@ -456,41 +435,63 @@ class WaveformFit(OscillatorFit):
         return self.problem.law
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Keys of the law's coefficients, then rho, m and the nuisances."""
-        return self.problem.names
-
-    @property
     def F_k(self) -> float:
         """Friction force, N; the mean over the groups where it has some."""
-        return float(self.problem.friction(self.point))
+        return float(np.mean([self.value(key) for key in self.law.keys_of(FRICTION)]))
 
     @property
-    def misfit(self) -> float:
-        """χ² per degree of freedom."""
-        return self.chi_square / max(1, self.freedom)
+    def undamped(self) -> tuple[str, ...]:
+        """Keys of the coefficients that are at zero."""
+        return tuple(key for key in self.law.unknowns if self.value(key) <= 0.0)
 
-    def interval(self, name: str) -> tuple[float, float]:
-        """Return the 95 % interval of a common unknown, in its unit, with Student's t: the errors of the data are known
-        from the scatter of few rows, that of a fundamental, which is the data's most, from 2(rows − 1) numbers.
+    @cached_property
+    def responses(self) -> tuple[Response, ...]:
+        """The motion of each record."""
+        return tuple(self.problem.response(self.point, i) for i in range(len(self.lines)))
+
+    def _evaluated(self, *freed: str) -> Array | None:
+        """Return what the problem gives at the fit with further unknowns free, see `HarmonicProblem.evaluate`."""
+        trail = Trail()
+        trail.near.update(enumerate(self.responses))
+        return self.problem.evaluate(self.point, self.parameters.freed(*freed).free, trail)
+
+    @cached_property
+    def _here(self) -> Array:
+        """Derivatives of the residuals and, in the last column, the residuals, (data, p + 1)."""
+        here = self._evaluated()
+        assert here is not None  # the climb was there
+        return here
+
+    @property
+    def residual(self) -> Array:
+        """(model − data)/σ, (data,)."""
+        return self._here[:, -1]
+
+    @cached_property
+    def response(self) -> Array:
+        """Derivatives of the point by the data in units of their errors, (p, data): dp = response · d(data)/σ; the data
+        of a record are |Y|, its phase, Re x_n, Im x_n."""
+        return np.asarray(self.covariance @ self._here[:, :-1].T)
+
+    def freedom_of(self, key: str) -> float:
+        """Return the degrees of freedom of the error of a parameter: the errors of the data are known from the scatter
+        of few rows, that of a fundamental, which is the data's most, from 2(rows − 1) numbers.
 
         The variances that the fundamentals and the harmonics of the records contribute, v_i of f_i degrees of freedom,
         give (Σ v_i)²/Σ v_i²/f_i degrees of freedom of their sum (Welch–Satterthwaite).
         """
-        squares, spread = self.response[self.names.index(name)] ** 2, 0.0
-        for one, place in zip(self.lines, self.places, strict=True):
+        squares, spread = self.response[self.parameters.places[key]] ** 2, 0.0
+        for one, place in zip(self.lines, self.problem.places, strict=True):
             of, first = squares[place], [0, 1, 2, 2 + one.n.size]  # Y, ψ, Re x_1, Im x_1
             main = float(np.sum(of[first]))
             higher, rows = float(np.sum(of)) - main, max(1, one.rows - 1)
             spread += main**2 / (2 * rows) + higher**2 / one.error_freedom
-        freedom = float(np.sum(squares)) ** 2 / spread if spread > 0.0 else math.inf
-        reach = float(special.stdtrit(freedom, 0.975)) * self.error(name)
-        return self.value(name) - reach, self.value(name) + reach
+        return float(np.sum(squares)) ** 2 / spread if spread > 0.0 else math.inf
 
     @property
     def adequate(self) -> bool:
         """Whether such an oscillator explains the records within their noise."""
-        return not improbable(self.chi_square, self.freedom, self.lines)
+        return self.problem.explains(self)
 
     @property
     def converged(self) -> bool:
@@ -500,24 +501,19 @@ class WaveformFit(OscillatorFit):
     @property
     def misfits(self) -> Array:
         """χ² of each record per datum, (n,)."""
-        return np.array([np.mean(self.residual[place] ** 2) for place in self.places])
+        return np.array([np.mean(self.residual[place] ** 2) for place in self.problem.places])
 
     @property
     def in_phase(self) -> Array:
         """Square of what the law leaves of the in-phase part of each kY/x_1, in its standard error, (n,): the stiffness
         against the amplitude."""
         squares = []
-        for one, at, place in zip(self.lines, self.problem.at, self.places, strict=True):
+        for one, at, place in zip(self.lines, self.problem.at, self.problem.places, strict=True):
             re, im = np.split(self.residual[place][2:], 2)
             x, base = one.x[0], self.point[at["Y"]] * np.exp(1j * self.point[at["psi"]])
             Z, law = one.Y / x, base / (x + one.x_error[0] * (re[0] + 1j * im[0]))
             squares.append(((law - Z).real / (abs(Z) * one.relative_error)) ** 2)
         return np.array(squares)
-
-    @cached_property
-    def responses(self) -> tuple[Response, ...]:
-        """The motion of each record."""
-        return tuple(self.problem.response(self.point, i) for i in range(len(self.lines)))
 
     @property
     def slips(self) -> Mask:
@@ -528,48 +524,46 @@ class WaveformFit(OscillatorFit):
     def departures(self) -> dict[str, Departure]:
         """Test what each nuisance that is not fitted would explain, by name, to first order; those that the data do not
         show left out."""
-        freed = (*self.problem.freed, *self.problem.nuisances)
-        whole = replace(self.problem, freed=freed).evaluate(self.point)
+        whole = self._evaluated(*self.problem.nuisances)
         if whole is None:  # the motion rattles, or nothing slips
             return {}
-        others = [
-            name for name in self.problem.nuisances if name not in (*self.problem.freed, FOLDED)
-        ]
-        added = {name: whole[:, self.names.index(name)] for name in others}
-        free = self.problem.free
-        names = [name for name, fitted in zip(self.names, free, strict=False) if fitted]
+        free, places = self.parameters.free, self.parameters.places
+        others = [s for s in self.problem.nuisances if not free[places[s]] and s != FOLDED]
         tested = departures_from(
-            self.residual, whole[:, :-1][:, free], added, names, noise_known=True
+            self.residual,
+            whole[:, :-1][:, free],
+            {name: whole[:, places[name]] for name in others},
+            [one.key for one in self.parameters if one.free and one.name not in ("Y", "psi")],
+            noise_known=True,
         )
         return {one.symbol: one for one in tested}
 
     @cached_property
     def waveforms(self) -> tuple[Waveform, ...]:
         """Waveform of each record, from which its features are read."""
-        problem, waveforms = self.problem, []
+        problem, free, waveforms = self.problem, self.parameters.free, []
 
         def onset(point: Array, response: Response) -> Array:
             return np.array([response.V_s, response.t_s, response.stick_travel])
 
         for i, (response, at) in enumerate(zip(self.responses, problem.at, strict=True)):
-            problem.near[i] = response
 
             def tail(point: Array, response: Response, i: int = i) -> Complexes:
                 return problem.harmonics(point, i, response, _HARMONICS_OF_WAVEFORM)
 
-            x, by = problem.slopes(self.point, i, tail)
+            x, by = problem.slopes(self.point, free, i, response, tail)
             by[:, at["psi"]] = 1j * np.arange(1, 2 * x.size, 2) * x
             waveforms.append(
                 Waveform(
                     response,
-                    *problem.slopes(self.point, i, onset),
+                    *problem.slopes(self.point, free, i, response, onset),
                     *(x, by),
                     at=at,
                     F_k=float(self.point[at[FRICTION]]),
                     rho=self.rho,
                     rho_error=self.error("rho"),
                     folded=problem.folded(self.point, i, response),
-                    by_data=self.response[:, self.places[i]],
+                    by_data=self.response[:, problem.places[i]],
                 )
             )
         return tuple(waveforms)

@@ -21,11 +21,10 @@ from dataclasses import dataclass, replace
 
 from scipy import special
 
-from ..arrays import Array
 from ..findings.finding import UNBOUNDED, Finding
+from ..fit.fit import OscillatorFit
 from ..fit.fundamentals import FundamentalFit
 from ..fit.nuisances import NUISANCES, in_other_frame
-from ..fit.oscillator_fit import OscillatorFit
 from ..fit.score import Departure
 from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import NO_MOTION, WaveformFit
@@ -132,9 +131,10 @@ def explanations(
     # behind four the first order is no guide
     fits: list[tuple[tuple[str, ...], WaveformFit | None]]
     fits = [((name,), _converged(_with(fit, name))) for name in likely[:4]]
-    for names, point in _like(near) if near is not None else ():
-        problem = replace(fit.problem, freed=(*fit.problem.freed, *names))
-        fits.append((names, _converged(fit_from(problem, point))))
+    for turned in _like(near) if near is not None else ():
+        start = replace(fit.problem.like(near), free=fit.parameters.free)
+        start = start.freed(*turned).moved(**turned)
+        fits.append(((*turned,), _converged(fit_from(fit.problem, start))))
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
         others = [in_other_frame(one) for one in lines]
@@ -143,7 +143,7 @@ def explanations(
     def misfit(one: Explanation) -> float:
         return one.fit.chi_square + penalty(one.fit)
 
-    found = [Explanation(names, one) for names, one in fits if one is not None and moves(one)]
+    found = [Explanation(names, one) for names, one in fits if one is not None]
     own = fit.chi_square + penalty(fit)
     found = [
         one
@@ -162,7 +162,7 @@ def explanations(
     return tuple({one.names: one for one in ordered}.values())[::-1]
 
 
-def moves(fit: WaveformFit | FundamentalFit) -> bool:
+def moves(fit: FundamentalFit) -> bool:
     """Return whether all motions of a fit are found again from nothing, under the drives that were read: its features,
     and the travel that its sticking takes, need them."""
     try:
@@ -184,17 +184,16 @@ def _converged(fit: WaveformFit | None) -> WaveformFit | None:
     return fit
 
 
-def _like(near: FundamentalFit) -> Iterator[tuple[tuple[str, ...], Array]]:
-    """Yield the departures of a fit to the fundamentals, and the AC coupling that turns the phase of the first record
-    as far as its delay does, each with a point."""
-    names, point = near.departures, near.point
-    if names:
-        yield names, point
-    if "delay" in names and near.value("delay") < 0.0:
-        omega, turned = near.problem.lines[0].omega, point.copy()
-        corner = math.tan(min(-omega * near.value("delay"), 0.75)) * omega / (2.0 * math.pi)
-        turned[near.names.index("delay")], turned[near.names.index("corner")] = 0.0, corner
-        yield tuple("corner" if one == "delay" else one for one in names), turned
+def _like(near: FundamentalFit) -> Iterator[dict[str, float]]:
+    """Yield the departures of a fit to the fundamentals with their values, and with the AC coupling that turns the phase
+    of the first record as far as its delay does."""
+    values = {name: near.value(name) for name in near.departures}
+    if values:
+        yield values
+    if values.get("delay", 0.0) < 0.0:
+        omega = near.problem.exact.lines[0].omega
+        corner = math.tan(min(-omega * values.pop("delay"), 0.75)) * omega / (2.0 * math.pi)
+        yield {**values, "corner": corner}
 
 
 def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
@@ -227,8 +226,8 @@ def fall_of(p: float, lines: Sequence[Lines]) -> float:
 
 def _limits(name: str, fit: WaveformFit) -> tuple[float, float]:
     """Return the least and the greatest value of a departure that a rig may have."""
-    bounds, at = fit.problem.bounds(fit.point), fit.names.index(name)
-    return float(bounds.lower[at]), float(bounds.upper[at])
+    one = fit.parameters[name]
+    return one.low, one.high
 
 
 def _may_be(one: Departure, fit: WaveformFit) -> bool:

@@ -376,7 +376,7 @@ def identify_readings(
         rig.append(Finding("timing", {"late": common.delay}))
     of_records = on_records(readings, common)
     of_all = agreement(readings, line, common, direct)
-    if fit is not None and common.waveforms_hold and GRADUAL not in fit.problem.freed:
+    if fit is not None and common.waveforms_hold and not fit.parameters[GRADUAL].free:
         rig += condition_on_contact(fit, fit.departures.values())
     return Result(
         basis=ForcedBasis(law, tuple(readings), common, samples.point.features, line),

@@ -24,10 +24,9 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
-from ..fit.goodness import probability
+from ..fit.goodness import as_good, probability
 from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
@@ -236,7 +235,7 @@ def compare_laws(
         if alone.balance is not None and alone.balance.p < _SURE:
             return alone, None  # where there is friction, the balance shows it at once
         fit = fit_quickly(HarmonicProblem(tried, lines, k), near)
-        if fit is not None and mass is not None and "m" in fit.problem.freed:
+        if fit is not None and mass is not None and fit.parameters["m"].free:
             fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             return LawTest(kept), None
@@ -342,10 +341,3 @@ def _rejected(p: Sequence[float]) -> list[bool]:
             break
         rejected[i] = True
     return rejected
-
-
-def as_good(scores: Array, others: Array) -> bool:
-    """Return whether the misfits of a law to levels are no larger than another's, within one standard error of the
-    difference over levels."""
-    worse = scores - others
-    return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)

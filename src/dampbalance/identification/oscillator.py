@@ -18,11 +18,11 @@ from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..features import Features, stack
 from ..findings.finding import UNBOUNDED, Finding
+from ..fit.fit import OscillatorFit
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import LinearFit, improbable, linear_fit
-from ..fit.oscillator_fit import OscillatorFit
 from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
-from ..fit.waveforms import OSCILLATOR, WaveformFit
+from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..signals.lines import Lines
@@ -121,7 +121,7 @@ class CommonFit:
         fit = self.fit
         if fit is None or self.linear or not fit.adequate:
             return None
-        if "delay" in fit.problem.freed:
+        if fit.parameters["delay"].free:
             return fit.value("delay"), fit.error("delay")
         shown = fit.departures.get("delay")
         return None if shown is None else (shown.value, shown.error)
@@ -251,15 +251,13 @@ def _searched(
         alone = None
     ends = [fit]
     if alone is not None:
-        point, nuisances = alone.point.copy(), alone.problem.nuisances
-        point[[alone.names.index(name) for name in nuisances]] = 0.0
-        ends.append(fit_from(replace(alone.problem, freed=OSCILLATOR), point))
-    fits = [one for one in ends if one is not None and moves(one)]
+        problem = HarmonicProblem(law, tuple(lines), k)
+        ends.append(fit_from(problem, problem.like(alone)))
+    fits = [one for one in ends if one is not None]
     fit = min(fits, key=lambda one: one.chi_square, default=None)
     rings = fit is not None and max(one.swings for one in fit.responses) > 1.0
     if slips and (fit is None or (not fit.adequate and (alone is None or rings))):
         fit = fit_records(lines, k, law, near=fit)
-        fit = fit if fit is not None and moves(fit) else None
     return fit, None if fit is not None and fit.adequate else alone
 
 

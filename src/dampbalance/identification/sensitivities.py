@@ -99,7 +99,7 @@ def shifts_of_fit(
     """
     each = list(faults.values())
     moved = np.sum([r.moved(_faulty(r, each)) for r in readings], axis=0)[:, 1:] / _STEP
-    changes = dict(zip(fit.names, moved, strict=False))
+    changes = dict(zip(fit.parameters.keys, moved, strict=True))
     stiffness = np.array([fault.stiffness for fault in each])
     # a mass that is given too large acts like a stiffness too small, but scales nothing
     lightened = stiffness - np.array([fault.mass for fault in each])

@@ -22,6 +22,7 @@ from .units import (
     find_motion,
     find_other,
     find_unit,
+    per_force,
 )
 
 WORDS = {
@@ -46,6 +47,8 @@ WORDS_OF_TABLES = {
     "receptance": "receptance compliance nachgiebigkeit",
     "mobility": "mobility admittanz",
     "accelerance": "accelerance inertance",
+    "coherence": "coherence coh kohärenz",
+    "averages": "averages mittelungen",
 }
 """Words of the heading of a column of a table of steady responses; those of amplitudes are those of a record."""
 
@@ -77,6 +80,7 @@ _OF_AMPLITUDES = {
     "ampl",
     "magnitude",
     "mag",
+    "frf",
     "abs",
     "peak",
     "rms",
@@ -215,7 +219,8 @@ def column_of(raw: RawChannel) -> str | None:
     if unit and unit.dimension == TABLE_DIMENSIONS["phase"]:
         return None if words else f"phase{ending}"
     named = replace(raw, name=" ".join(words))
-    amplitude = quantity_of(named, among=TABLE_DIMENSIONS) if words else by_unit(raw)
+    amplitude = quantity_of(named, among=TABLE_DIMENSIONS) if words else per_force(raw.unit or "")
+    amplitude = amplitude or (None if words else by_unit(raw))
     return amplitude and amplitude + ending
 
 

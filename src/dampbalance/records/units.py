@@ -239,14 +239,35 @@ PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acc
 TABLE_DRIVES = {"force": "force"} | {f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE}
 TABLE_RESPONSES = {q: DIMENSIONS[q] for q in ABSOLUTE} | PER_FORCE
 TABLE_DIMENSIONS = {"frequency": "frequency"} | TABLE_DRIVES | TABLE_RESPONSES
-TABLE_DIMENSIONS |= {"phase": "angle", "level": ""}
+TABLE_DIMENSIONS |= {"phase": "angle", "level": "", "coherence": "", "averages": ""}
 """Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
-the motion per force; a level is a number without one."""
+the motion per force; a level, a coherence γ² and how many spectra it averages are numbers without one."""
+
+_DECIBEL = re.compile(r"db\b\s*(?:re[lf]?\b\.?)?\s*(\d[\d.]*(?:e[+-]?\d+)?)?\s*(.*)", re.IGNORECASE)
+
+
+def reference_of(text: str) -> tuple[float, str] | None:
+    """Return number and unit of what an amplitude in decibels, 20 lg, is relative to: dB re 1 m/s²/N; None for a unit
+    of another kind."""
+    found = _DECIBEL.fullmatch(text.strip())
+    return found and (float(found[1] or 1.0), found[2])
+
+
+def per_force(text: str) -> str | None:
+    """Return the response per force that has a unit, in decibels or not; None for any other unit."""
+    motion, _, force = (reference_of(text) or (1.0, text))[1].strip().rpartition("/")
+    unit, of = find_unit(motion), find_unit(force)
+    fits = unit is not None and of is not None and of.dimension == "force"
+    return next((q for q, d in PER_FORCE.items() if fits and unit and unit.dimension == d), None)
 
 
 def table_factor(text: str, quantity: str) -> float:
     """Return SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is
-    enough. Raises UnitError as `unit_for`."""
+    enough. Raises UnitError as `unit_for`, and for decibels without a reference."""
+    if reference := reference_of(text):
+        if not reference[1]:
+            raise UnitError("dB of what? State the unit with its reference, as dB re 1 m/s²/N")
+        return reference[0] * table_factor(reference[1], quantity)
     motion, _, force = text.strip().rpartition("/")
     unit = find_unit(force)
     if quantity in PER_FORCE and motion and unit and unit.dimension == "force":

@@ -6,8 +6,8 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from ..fit.minimise import climb_on
-from ..fit.waveforms import OSCILLATOR, HarmonicProblem, WaveformFit
+from ..fit.steady_search import fit_from
+from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import steady_orbit
@@ -41,9 +41,7 @@ def fit_at_truth(
     for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
         x = steady_orbit(osc, motion).harmonics(_HARMONICS_OF_TRUTH)
         lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
-    freed = tuple(name for name in OSCILLATOR if name not in given)
     law = Law(given={s: getattr(osc, s) for s in ("F_k", "c") if s in given})
-    problem = HarmonicProblem(law, tuple(lines), osc.k, freed)
-    truth = problem.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]), np.ones(len(lines)))
-    reached = climb_on(problem, truth, most=1)
-    return None if reached is None else problem.fit(reached)
+    problem = HarmonicProblem(law, tuple(lines), osc.k)
+    truth = problem.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]))
+    return fit_from(problem, truth.held(*given), most=1)

@@ -1,7 +1,7 @@
 """The contact and the damping from tables of steady responses to a stepped sine, line by line.
 
 A line is a row of the balance, W = πFX sin φ, and its in-phase part says how stiff the contact still is at that
-amplitude. Both are rows of the dynamic stiffness (`lines.py`), to which two contacts are fitted:
+amplitude. Both are rows of the dynamic stiffness (`fit/stiffness_lines.py`), to which two contacts are fitted:
 one slider, that of the paper, and many that slip one after the other, as the interface of a bolted joint does.
 """
 
@@ -19,7 +19,15 @@ from ..arrays import Integers, Mask
 from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
-from ..identification.answer import (
+from ..fit.contacts import ContactComparison, ContactFit, compare_contacts, fit_contact
+from ..fit.stiffness_lines import Contact, StiffnessLines
+from ..law.law import Law, law_of
+from ..law.terms import FRICTION, term
+from ..project.options import Stated, SteppedSineOptions, with_options
+from ..project.wording import listed
+from ..records.mapping import MappingLike
+from ..records.stepped_sine import SteppedRecord, read_lines
+from .answer import (
     UNKNOWN,
     Answer,
     Balance,
@@ -27,19 +35,11 @@ from ..identification.answer import (
     ParameterEstimate,
     covariance_of,
 )
-from ..identification.level import Column, Level
-from ..identification.request import read_request
-from ..identification.result import Picture, Result
-from ..identification.sensitivities import Fault
-from ..identification.stated import with_stated_uncertainties
-from ..law.law import Law, law_of
-from ..law.terms import FRICTION, term
-from ..project.options import Stated, SteppedSineOptions, with_options
-from ..project.wording import listed
-from ..records.mapping import MappingLike
-from .fit import ContactComparison, ContactFit, compare_contacts, fit_contact
-from .lines import Contact, SteppedLines
-from .records import SteppedRecord, read_lines
+from .level import Column, Level
+from .request import read_request
+from .result import Picture, Result
+from .sensitivities import Fault
+from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +61,7 @@ class SteppedBasis:
     lines that a moving base drives, (n,).
     """
 
-    lines: SteppedLines
+    lines: StiffnessLines
     table_of: Integers
     fits: Mapping[str, ContactFit]
     compared: ContactComparison | None
@@ -71,7 +71,7 @@ class SteppedBasis:
     mass_tests: ClassVar[bool] = False
     columns: ClassVar[Mapping[str, Column]] = {}
 
-    def _of_mode(self, found: Result[Any]) -> SteppedLines:
+    def _of_mode(self, found: Result[Any]) -> StiffnessLines:
         """Return the lines without what other modes add to them, by the fit of the answer."""
         return self.lines.of_mode(self.fits[found.answer.name].values.get("R", 0.0))
 
@@ -96,7 +96,8 @@ class SteppedBasis:
         return {
             "comparison": compared,
             "contacts": {
-                name: {"r_m": fit.r, "kappa_N_per_m": fit.kappa} for name, fit in self.fits.items()
+                name: {"r_m": fit.all_sliders.r, "kappa_N_per_m": fit.all_sliders.kappa}
+                for name, fit in self.fits.items()
             },
             "records": [
                 {"record": name, "lines": int(np.sum(self.table_of == i))}
@@ -121,7 +122,7 @@ class SteppedBasis:
         """Return the changes of an answer with faults: half the difference of the fits to lines with the fault and with
         its opposite, whatever is given staying as it is. The force of a base that moves follows the stiffness."""
         fit, omega = self.fits[name], self.lines.omega
-        given = fit.design.rows.given
+        given = fit.given
 
         def of(fault: Fault, sign: float) -> dict[str, float]:
             drive, X, k, m = (
@@ -146,7 +147,7 @@ class SteppedBasis:
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the energy lost per cycle and the in-phase stiffness over the amplitude, and the sliders."""
-        from . import pictures as drawn  # slow to import
+        from . import stepped_pictures as drawn  # slow to import
 
         of, fits = self._of_mode(found), {name: self.fits[name] for name in found.approaches}
         return {
@@ -294,7 +295,7 @@ def identify_joint(
     return with_stated_uncertainties(found)
 
 
-def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLines, Integers]:
+def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[StiffnessLines, Integers]:
     """Return all lines of the tables, and the table of each."""
     levels = [
         (i, one.table.by_force, of) for i, one in enumerate(tables) for of in one.table.levels
@@ -322,7 +323,7 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[SteppedLin
     error = np.concatenate(errors) if len(errors) == len(levels) else None
     Z = np.concatenate(forces) / X * np.exp(1j * phi)
     numbers = np.repeat(np.arange(len(levels)), sizes)
-    lines = SteppedLines(omega, X, Z, numbers, tuple(names), error)
+    lines = StiffnessLines(omega, X, Z, numbers, tuple(names), error)
     return lines, np.repeat([i for i, _, _ in levels], sizes)
 
 
@@ -348,7 +349,7 @@ def _on_stuck(fit: ContactFit) -> Iterator[Finding]:
 def _answer(
     name: str,
     fit: ContactFit,
-    lines: SteppedLines,
+    lines: StiffnessLines,
     law: Law,
     compared: ContactComparison | None,
     tested: Sequence[Finding],
@@ -370,21 +371,22 @@ def _answer(
         [*(s for s in law.unknowns), *(s for s in fit.terms if s not in law.given), "K_z"]
     )
     parameters = {symbol: _estimate(symbol, fit) for symbol in unknowns}
+    misfit = fit.misfit_of_lines
     merit: dict[str, Any] = {
         "residual": float(np.linalg.norm(fit.residuals * W) / np.linalg.norm(W)),
-        "misfit": fit.misfit.score,
-        "loss_rms": fit.misfit.loss,
-        "in_phase_rms_N_per_m": fit.misfit.in_phase,
+        "misfit": misfit.score,
+        "loss_rms": misfit.loss,
+        "in_phase_rms_N_per_m": misfit.in_phase,
     }
     for symbol, unit in _SPRING_UNITS.items():
         if symbol in fit.values:
             merit[f"{symbol}_{unit}"] = fit.values[symbol]
             merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
     bounded = [s for s, p in parameters.items() if math.isfinite(p.standard_error)]
-    covariance = np.cov([fit.replicates[symbol][1:] for symbol in bounded])
+    covariance = fit.covariance_of(bounded)
     return Answer(
         *(name, parameters, covariance_of(parameters, bounded, covariance), tuple(notes)),
-        Balance(rows, fit.misfit.loss * W, names, {"frequency_Hz": hertz}),
+        Balance(rows, misfit.loss * W, names, {"frequency_Hz": hertz}),
         merit=merit,
     )
 
@@ -403,7 +405,7 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     return ParameterEstimate(value, fit.errors[symbol], interval)
 
 
-def _rig(fit: ContactFit, lines: SteppedLines) -> Iterator[Finding]:
+def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:
     """Yield findings on the rig that the fit implies."""
     k, m = fit.values["k"], fit.values["m"]
     own = {s: (fit.values[s], fit.errors.get(s, 0.0)) for s in ("m", "k")}

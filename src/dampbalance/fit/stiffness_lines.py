@@ -1,0 +1,435 @@
+"""Lines of dynamic stiffness: steady responses at some frequencies and amplitudes, and what a contact and an oscillator
+leave of them.
+
+Each line is a complex number, the dynamic stiffness Z = (F/X)e^{iφ}, φ the lag of x behind the force F, of a table of a
+stepped sine or of the fundamental of a forced record, F = kY:
+
+    Z = k + ¾k_3X² − mω² + i Σ p g_p/(πX²) + Σ κ_j D(r_j/X)
+
+with the integrals g_p of the terms (`law/terms.py`) and the describing function D of a contact (`law/contact.py`). The
+imaginary part is the energy balance πX² Im Z = πFX sin φ, Eq. (14) of Liang & Feeny (2010), the real part the in-phase
+row, which a contact lowers with the amplitude. Channels read it otherwise: a delay τ of the response turns it, and
+where the driven point moves with other modes, too, their residual receptance R changes it:
+
+    1/Z_measured = e^{−iωτ}/Z + R,    X = X_measured |1 − R Z_measured|
+
+Unknowns that are linear and not negative are solved for at each step of a climb in the others: F_k and ρ = K_z^{−1/2}
+of one slider, k_3 where a spring may soften, τ and R. κ of a gradual contact is piecewise linear over ln r, and as
+smooth as it is asked to be.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Literal, NamedTuple, Self
+
+import numpy as np
+from scipy import optimize
+
+from ..arrays import Array, Complexes, Integers, Mask
+from ..law.contact import Sliders, secant
+from ..law.terms import FRICTION, KNOWN_TERMS
+from .multistart import climb_on
+from .parameters import Parameters
+
+Contact = Literal["none", "one slider", "gradual"]
+
+_LINEAR = {"k", "m", "k_3", *KNOWN_TERMS} - {FRICTION}  # unknowns
+
+NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
+_LOWEST = 0.1  # r of its first node, of the smallest amplitude, at which it is felt
+# Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
+_GROWTH = 0.5
+_TRIED, _RIGID = (
+    60,
+    1e-3,
+)  # r of one slider to start from, and the smallest, of the smallest amplitude
+_SOFTEST = 1e-9  # of |Z|: a contact that is none
+_STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
+_MULTIPLIED, _FLOOR = 60, 1e-9  # of the scatter: updates; least, of |Z|, of lines without noise
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessLines:
+    """Steady responses to a harmonic force, one line each.
+
+    omega : rad/s, (n,).   X : displacement amplitude, m, (n,).   Z : (F/X)e^{iφ}, N/m, (n,), φ the lag of the
+    displacement behind the force.   level : index into `names`, the levels of excitation, (n,).
+    error : relative standard error of each |Z|, and of φ, rad, (n,), where it is known.
+    """
+
+    omega: Array
+    X: Array
+    Z: Complexes
+    level: Integers
+    names: tuple[str, ...]
+    error: Array | None = None
+
+    def __getitem__(self, kept: Mask) -> StiffnessLines:
+        """Some of the lines."""
+        parts = {
+            name: values[kept]
+            for name in ("omega", "X", "Z", "level", "error")
+            if (values := getattr(self, name)) is not None
+        }
+        return replace(self, **parts)
+
+    def of_mode(self, R: float = 0.0, delay: float = 0.0) -> StiffnessLines:
+        """Return the lines without the residual receptance R, m/N, of the other modes, and a delay, s."""
+        ratio = 1.0 - R * self.Z
+        turned = self.Z * np.exp(-1j * self.omega * delay)
+        return replace(self, X=self.X * np.abs(ratio), Z=turned / ratio)
+
+
+def stiffness_part(name: str, lines: StiffnessLines, k: float) -> Complexes:
+    """Return the part of Z by a linear unknown of unit size, N/m, (n,)."""
+    omega, X = lines.omega, lines.X
+    if name in KNOWN_TERMS:
+        Y, phi = np.abs(lines.Z) * X / k, np.angle(lines.Z)  # of a base that drives
+        g = KNOWN_TERMS[name].harmonic(omega, X, Y, phi, k)
+        return np.asarray(1j * g / (math.pi * X**2))
+    sizes = {"k": np.ones_like(X), "m": -(omega**2), "k_3": 0.75 * X**2}
+    return np.asarray(sizes[name] + 0j)
+
+
+class Misfit(NamedTuple):
+    """The distance of lines from a law.
+
+    loss, in_phase : root mean squares of (loss of the law)/W − 1 and of the in-phase difference, N/m.
+    loss_score, in_phase_score : mean squares of the same in standard errors.
+    """
+
+    loss: float
+    in_phase: float
+    loss_score: float
+    in_phase_score: float
+
+    @property
+    def score(self) -> float:
+        """Mean square of both in standard errors."""
+        return 0.5 * (self.loss_score + self.in_phase_score)
+
+
+def _nnls(A: Array, y: Array) -> Array:
+    """Return coefficients ≥ 0 of least squares."""
+    size = np.linalg.norm(A, axis=0)
+    size[size == 0.0] = 1.0
+    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * max(A.shape[1], 1))[0] / size)
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessProblem:
+    """Residuals (model − data)/σ of the real, then of the imaginary parts of lines, as functions of the unknowns.
+
+    lines : as measured.   start : the unknowns: k, m, k_3, terms, F_k and rho or kappa, delay and R, those that there
+    are.   contact : of the model.   sigma : standard errors of the parts of each measured Z, N/m, (2, n).
+    k : of the spring, N/m, for what it drives, and for the stiffness itself where that is no unknown.
+    of : lines to which an unknown of a group belongs.   nodes : r at which κ of a gradual contact is an unknown, m.
+    smoothing : weight of the second differences of κ.   added : to the Z of the model, N/m, (n,).   as_read : parts of
+    Z of the lines as they are by linear unknowns of unit size, where they are known.
+    """
+
+    lines: StiffnessLines
+    start: Parameters
+    contact: Contact
+    sigma: Array
+    k: float
+    of: Mapping[str, Mask] = field(default_factory=dict)
+    nodes: Array = field(default_factory=lambda: np.empty(0))
+    smoothing: float = 0.0
+    added: Complexes | float = 0.0
+    as_read: Complexes | None = None
+
+    def __getitem__(self, kept: Mask) -> Self:
+        """The problem of some of the lines."""
+        of = {key: mask[kept] for key, mask in self.of.items()}
+        added = self.added if isinstance(self.added, float) else self.added[kept]
+        return replace(
+            self,
+            lines=self.lines[kept],
+            sigma=self.sigma[:, kept],
+            of=of,
+            added=added,
+            as_read=self.columns(self.lines)[kept],
+        )
+
+    def on(self, X: Array, omega: Array) -> Self:
+        """Return the problem of lines at other amplitudes, m, and frequencies, rad/s, (n,) each."""
+        ones, level = np.ones(X.size), np.zeros(X.size, dtype=np.intp)
+        lines = StiffnessLines(omega, X, np.asarray(ones + 0j), level, ("",))
+        return replace(self, lines=lines, sigma=np.array([ones, ones]), as_read=None)
+
+    def prepared(self) -> Self:
+        """Return the problem with parts of Z that are computed once."""
+        return replace(self, as_read=self._columns(self.lines))
+
+    @property
+    def samples(self) -> int:
+        """Number of data."""
+        return 2 * self.lines.X.size
+
+    @cached_property
+    def solved(self) -> Mask:
+        """Which unknowns are linear and not negative, (p,)."""
+        linear = np.array([name in ("kappa", *_LINEAR) for name in self.start.names])
+        one_sided = (self.start.low >= 0.0) & np.isinf(self.start.high)
+        return np.asarray(linear & self.start.free & one_sided)
+
+    @cached_property
+    def climbed(self) -> Parameters:
+        """The unknowns, with those free that are not solved for."""
+        return replace(self.start, free=self.start.free & ~self.solved)
+
+    @cached_property
+    def _kappa(self) -> list[int]:
+        return [i for i, name in enumerate(self.start.names) if name == "kappa"]
+
+    @cached_property
+    def _friction(self) -> list[int]:
+        return [i for i, name in enumerate(self.start.names) if name == FRICTION]
+
+    # --- the contact --------------------------------------------------------------------------
+
+    @cached_property
+    def r(self) -> Array:
+        """Deflections at which the sliders of a gradual contact slip, m: more of them between its nodes, and one that
+        no line moves where the last κ is its own."""
+        at = np.arange((NODES - 1) * _BETWEEN) / _BETWEEN
+        fine = np.exp(np.interp(at, np.arange(NODES), np.log(self.nodes)))
+        return np.append(fine, self.nodes[-1:] if len(self._kappa) > NODES else [])
+
+    @cached_property
+    def spread(self) -> Array:
+        """κ of these sliders by the unknown κ at the nodes, and by that of the one that is stuck."""
+        stuck = len(self._kappa) > NODES
+        at = np.arange((NODES - 1) * _BETWEEN + stuck) / _BETWEEN
+        hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(NODES))), 0.0)
+        return np.hstack([hats, np.eye(at.size)[:, -1:]]) if stuck else hats
+
+    def sliders(self, values: Array) -> Sliders:
+        """Return the sliders of the contact; of one, the mean over its groups."""
+        if self.contact == "gradual":
+            return Sliders(self.r, self.spread @ values[self._kappa])
+        if self.contact == "none":
+            return Sliders(np.empty(0), np.empty(0))
+        F_k = float(np.mean(values[self._friction]))
+        kappa = values[self.start.places["rho"]] ** -2 * bool(F_k > 0.0)
+        return Sliders(np.array([F_k / kappa if kappa else math.inf]), np.array([kappa]))
+
+    # --- the model ----------------------------------------------------------------------------
+
+    def _value(self, values: Array, name: str) -> float:
+        return float(values[self.start.places[name]]) if name in self.start else 0.0
+
+    def mode(self, values: Array) -> StiffnessLines:
+        """Return the lines as the mode has them, without what the channels do."""
+        R, delay = self._value(values, "R"), self._value(values, "delay")
+        return self.lines.of_mode(R, delay) if R or delay else self.lines
+
+    def columns(self, mode: StiffnessLines) -> Complexes:
+        """Return the parts of Z by linear unknowns of unit size, N/m, (n, p)."""
+        known = self.as_read if mode is self.lines else None
+        return self._columns(mode) if known is None else known
+
+    def _columns(self, mode: StiffnessLines) -> Complexes:
+        out = np.zeros((mode.X.size, len(self.start)), dtype=np.complex128)
+        for i, (key, name) in enumerate(zip(self.start.keys, self.start.names, strict=True)):
+            if name in _LINEAR:
+                out[:, i] = stiffness_part(name, mode, self.k) * self.of.get(key, 1.0)
+        if self.contact == "gradual":
+            out[:, self._kappa] = secant(mode.X, self.r) @ self.spread
+        return out
+
+    def law(self, values: Array, mode: StiffnessLines | None = None) -> Complexes:
+        """Return Z of the mode by the model, N/m, (n,)."""
+        mode = mode or self.mode(values)
+        Z = self.columns(mode) @ values + self.added
+        if "k" not in self.start:
+            Z = Z + self.k
+        if self.contact == "one slider":
+            rho = self._value(values, "rho")
+            D = secant(mode.X, values[self._friction] * rho**2)
+            for i, at in enumerate(self._friction):
+                Z = Z + D[:, i] * self.of.get(self.start.keys[at], 1.0) * rho**-2
+        return np.asarray(Z)
+
+    def weighted(self, Z: Complexes, values: Array) -> Array:
+        """Return changes of the mode's Z, (n, …), as rows of the measured in standard errors, (2n, …)."""
+        R, delay = self._value(values, "R"), self._value(values, "delay")
+        if R or delay:
+            turn = np.exp(1j * self.lines.omega * delay)
+            Z = ((1.0 - R * self.lines.Z) ** 2 * turn * Z.T).T
+        return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
+
+    def residual(self, values: Array) -> Array:
+        """Return (model − data)/σ, (2n,)."""
+        mode = self.mode(values)
+        return self.weighted(self.law(values, mode) - mode.Z, values)
+
+    @cached_property
+    def roughness(self) -> Array:
+        """Second differences of κ r^{−1/2} over ln r by the unknowns, in units of the median column of a node."""
+        if self.contact != "gradual" or not self.smoothing:
+            return np.zeros((0, len(self.start)))
+        nodes = self._kappa[:NODES]
+        own = self.weighted(self.columns(self.lines)[:, self._kappa], self.start.values)
+        size = float(np.median(np.linalg.norm(own, axis=0)))
+        rough = np.zeros((NODES - 2, len(self.start)))
+        second = np.diff(np.eye(NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
+        rough[:, nodes] = self.smoothing * size * second
+        return rough
+
+    def rows(self, values: Array) -> Array:
+        """Return rows of the solved unknowns of unit size, and those of the smoothing, (2n + s, p)."""
+        A = self.weighted(self.columns(self.mode(values))[:, self.solved], values)
+        return np.vstack([A, self.roughness[:, self.solved]])
+
+    def solve(self, values: Array) -> Array:
+        """Return the unknowns with those of largest likelihood that are solved for."""
+        return self._solved(values)[0]
+
+    def _solved(self, values: Array) -> tuple[Array, Array, Array]:
+        """Return the unknowns, the rows of those that are solved for and not zero, and the residual, smoothing
+        included."""
+        values = np.where(self.solved, 0.0, values)
+        A, smooth = self.rows(values), np.zeros(len(self.roughness))
+        y = -np.concatenate([self.residual(values), smooth])
+        p = _nnls(A, y)
+        values[self.solved] = p
+        return values, A[:, p > 0.0], A @ p - y
+
+    def slopes(self, values: Array, free: Mask) -> Array:
+        """Return derivatives of the residual by unknowns that are not solved for, (2n, p), by central differences."""
+        steps = _STEP * np.maximum(np.abs(values), self.start.scale)
+        out = np.zeros((self.samples, values.size))
+        for j in np.flatnonzero(free & ~self.solved):
+            less, more = values.copy(), values.copy()
+            less[j], more[j] = values[j] - steps[j], values[j] + steps[j]
+            out[:, j] = (self.residual(more) - self.residual(less)) / (2.0 * steps[j])
+        return out
+
+    def products(self, values: Array, free: Mask, trail: Any, out: Array) -> bool:
+        """Set `out` to the products of derivatives and residuals, as `climb` takes them, with the linear unknowns
+        solved for."""
+        at, active, residual = self._solved(values)
+        whole = np.zeros((residual.size, values.size + 1))
+        whole[: self.samples, :-1], whole[:, -1] = self.slopes(at, free), residual
+        q = np.linalg.qr(active)[0]
+        whole[:, :-1] -= q @ (q.T @ whole[:, :-1])
+        np.matmul(whole.T, whole, out=out)
+        return bool(np.isfinite(out[-1, -1]))
+
+    def ends(self, starts: list[Parameters], **options: Any) -> Parameters:
+        """Return where the lowest of the climbs from some starts ends."""
+        if not self.climbed.free.any():
+            return self.start.at(self.solve(self.start.values))
+        each = [climb_on(self, start, **options) for start in starts]
+        best = min(filter(None, each), key=lambda end: end.chi_square)
+        return self.start.at(self.solve(best.point))
+
+    # --- where it starts, and what it leaves --------------------------------------------------
+
+    def with_sliders(self, values: Array) -> list[Array]:
+        """Return the unknowns with one slider of each r that is tried, the linear ones solved for, best first."""
+        mode = self.mode(values)
+        nothing = np.where(self.solved, 0.0, values)
+        nothing[self._friction] = 0.0
+        A, y = self.rows(nothing), -self.residual(nothing)
+        r = np.geomspace(_RIGID * mode.X.min(), mode.X.max(), _TRIED + 1)[:-1]
+        each = []
+        for r_j, column in zip(r, self.weighted(secant(mode.X, r), values).T, strict=True):
+            whole = np.column_stack([A, column])
+            p, at = _nnls(whole, y), nothing.copy()
+            kappa = max(p[-1], _SOFTEST * float(np.abs(mode.Z).max()))
+            at[self.solved], at[self._friction] = p[:-1], kappa * r_j
+            at[self.start.places["rho"]] = kappa**-0.5
+            each.append((float(np.sum((whole @ p - y) ** 2)), at))
+        return [at for _, at in sorted(each, key=lambda pair: pair[0])]
+
+    def misfit(self, values: Array) -> Misfit:
+        """Return the distance of the lines from a law."""
+        mode = self.mode(values)
+        Z, law = mode.Z, self.law(values, mode)
+        both = law.imag / Z.imag - 1.0, law.real - Z.real
+        in_phase, quadrature = np.split(self.weighted(law - Z, values), 2)
+        loss, stiffness = (math.sqrt(np.mean(one**2)) for one in both)
+        return Misfit(loss, stiffness, float(np.mean(quadrature**2)), float(np.mean(in_phase**2)))
+
+    def used(self, values: Array) -> Mask:
+        """Return the unknowns that a fit has, without κ that are zero, (p,)."""
+        nodes = np.zeros(values.size, dtype=np.bool_)
+        nodes[self._kappa] = True
+        return np.asarray(self.start.free & ~(nodes & (values <= 0.0)))
+
+    def by_rows(self, values: Array) -> Array:
+        """Return derivatives of the unknowns by the rows of the data in standard errors, (p, 2n)."""
+        used = self.used(values)
+        J = self.slopes(values, used)
+        J[:, self.solved] = self.rows(values)[: self.samples]
+        J, L = J[:, used], self.roughness[:, used]
+        size = np.linalg.norm(J, axis=0)
+        size[size == 0.0] = 1.0
+        out = np.zeros((values.size, self.samples))
+        inverse = np.linalg.pinv(np.vstack([J, L]) / size)[:, : self.samples]
+        out[used] = inverse / size[:, None]
+        return out
+
+    def refitted(self, moved: Array) -> tuple[Array, Array]:
+        """Return the unknowns of fits to changed data, (b, p), and their residuals, (b, 2n); what is not solved for is
+        linear there.   moved : changes of the data in standard errors, (b, 2n)."""
+        here = self.start.values
+        nothing, smooth = (
+            np.where(self.solved, 0.0, here),
+            np.zeros((len(moved), len(self.roughness))),
+        )
+        J = self.slopes(here, self.start.free)
+        q = np.linalg.svd(J[:, np.any(J, axis=0)], full_matrices=False)[0]
+        A, y = self.rows(here), np.hstack([moved - self.residual(nothing), smooth])
+        n = self.samples
+        A[:n] -= q @ (q.T @ A[:n])
+        y[:, :n] -= (y[:, :n] @ q) @ q.T
+        columns, triangle = np.linalg.qr(A)
+        p = np.array([_nnls(triangle, on) for on in y @ columns])
+        values = np.tile(here, (len(moved), 1))
+        values[:, self.solved] = p
+        left = (moved - self.residual(nothing)) - p @ self.rows(here)[:n].T
+        values += left @ np.linalg.pinv(J).T
+        return values, (p @ A.T - y)[:, :n]
+
+    def scatter(self, values: Array, freedom: Array | None = None) -> tuple[Array, Array]:
+        """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of
+        them, and which of the two kinds scatters more than its lines state, (2,).
+
+        Where lines state their errors, these count, or the errors of the fit times what each kind scatters by: the
+        larger of the two. Else Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part
+        of the loss, and one of the measurement; by largest likelihood (multiplicative updates).
+
+        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns.
+        """
+        n = self.lines.X.size
+        left = self.residual(values).reshape(2, n) * self.sigma
+        if freedom is None:
+            freedom = np.full(2, max(n - 0.5 * np.count_nonzero(self.used(values)), 0.5))
+        share = n / freedom[:, None]
+        if self.lines.error is not None:
+            stated = np.broadcast_to(np.abs(self.lines.Z) * self.lines.error, (2, n))
+            scattered = self.sigma * np.sqrt(
+                np.mean((left / self.sigma) ** 2, axis=1, keepdims=True) * share
+            )
+            return np.maximum(scattered, stated), np.any(scattered > stated, axis=1)
+        # of the law, as the noise of measured values would bias the weights by its square
+        Z, squares = self.lines.Z + left[0] + 1j * left[1], left**2 * share
+        size, variances = np.abs(Z) ** 2, []
+        for square, own in zip(squares, (np.full(n, np.mean(size)), Z.imag**2), strict=True):
+            parts, shares = (
+                np.array([own, size]),
+                0.5 * np.full(2, np.mean(square / size) + _FLOOR**2),
+            )
+            for _ in range(_MULTIPLIED):
+                variance = shares @ parts + _FLOOR**2 * size
+                shares *= (parts @ (square / variance**2)) / (parts @ (1.0 / variance))
+            variances.append(shares @ parts + _FLOOR**2 * size)
+        return np.sqrt(variances), np.array([True, True])
