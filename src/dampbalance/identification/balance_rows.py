@@ -16,7 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -45,54 +44,42 @@ _ONE_ROW = 1e-10  # of the largest variance: rows that share half cycles may nea
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Balanced:
     """Coefficients that rows of the balance give.
 
-    values : by key; empty where the rows do not determine them.   parts : covariances of their errors, (p, p), of
-    errors that are independent of each other.   freedoms : degrees of freedom of each part.
-    errors : standard deviation of the misfit of each row, J, (n,).
-    chi_square, freedom : of the misfits; NaN where rows have no errors.
+    estimates : by key; empty where the rows do not determine them.   covariance : of their errors, (p, p).
+    errors : standard deviation of the misfit of each row, J, (n,).   chi_square, freedom : of the misfits.
     """
 
-    values: Mapping[str, float]
-    parts: Sequence[Array]
-    freedoms: Sequence[float]
+    estimates: Mapping[str, ParameterEstimate]
+    covariance: Array
     errors: Array
     chi_square: float
     freedom: int
 
-    @cached_property
-    def covariance(self) -> Array:
-        """Covariance of the errors of the values, (p, p)."""
-        size = len(self.values)
-        return np.asarray(sum(self.parts, np.zeros((size, size))))
+    @property
+    def values(self) -> dict[str, float]:
+        """The coefficients by key, SI units."""
+        return {key: p.value for key, p in self.estimates.items()}
 
     @property
     def misfit(self) -> float:
         """χ² per degree of freedom; NaN without one."""
         return self.chi_square / self.freedom if self.freedom > 0 else math.nan
 
-    @property
-    def estimates(self) -> dict[str, ParameterEstimate]:
-        """Each value with its standard error and interval.
 
-        The variances of the parts, v_i of f_i degrees of freedom, give those of their sum, (Σ v_i)²/Σ v_i²/f_i
-        (Welch–Satterthwaite), and the quantile of Student's t.
-        """
-        estimates = {}
-        for j, (key, value) in enumerate(self.values.items()):
-            variances = np.array([part[j, j] for part in self.parts])
-            total = math.fsum(variances)
-            spread = float(np.sum(variances**2 / self.freedoms))
-            freedom, error = total**2 / spread if spread > 0.0 else math.inf, math.sqrt(total)
-            reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
-            estimates[key] = ParameterEstimate(value, error, Interval(value - reach, value + reach))
-        return estimates
+def estimate_of(value: float, variances: Array, freedoms: Sequence[float]) -> ParameterEstimate:
+    """Return a number with standard error and interval, from independent parts of its variance, v_i with f_i degrees of
+    freedom: their sum has (Σ v_i)²/Σ v_i²/f_i (Welch–Satterthwaite), which give the quantile of Student's t."""
+    total, spread = math.fsum(variances), float(np.sum(variances**2 / freedoms))
+    freedom, error = total**2 / spread if spread > 0.0 else math.inf, math.sqrt(total)
+    reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
+    return ParameterEstimate(value, error, Interval(value - reach, value + reach))
 
 
 def solved(
     rows: Rows, errors: Errors, freedoms: Sequence[float], *, free: int = 0, correlated: bool = True
-) -> Solution:
+) -> Balanced:
     """Return the coefficients that rows give.
 
     freedoms : of the errors.   free : number of further unknowns, which the covariance leaves free.   correlated :
@@ -115,7 +102,7 @@ def solved(
         white = root @ columns
         estimate = solve(Rows(dict(zip(keys, white.T[1:], strict=True)), white[:, 0]))
         if math.isnan(estimate.residual):
-            return Solution({}, (), (), of_rows, math.nan, 0)
+            return Balanced({}, np.empty((0, 0)), of_rows, math.nan, 0)
         found = {key: float(value) for key, value in estimate.values.items()}
         parts = parts_at(found)
         total = np.nan_to_num(np.sum(parts, axis=0))
@@ -125,13 +112,17 @@ def solved(
     misfit = white @ [-1.0, *found.values()]
     size = np.linalg.norm(white[:, 1:], axis=0)
     inverse = np.linalg.pinv(white[:, 1:] / size) / size[:, None] @ root
-    of_values = [inverse @ part @ inverse.T for part in parts]
+    of_values = np.array([inverse @ part @ inverse.T for part in parts])
+    estimates = {
+        key: estimate_of(value, of_values[:, j, j], freedoms)
+        for j, (key, value) in enumerate(found.items())
+    }
     freedom = len(white) - len(keys) - free
-    return Solution(found, of_values, freedoms, of_rows, float(misfit @ misfit), freedom)
+    return Balanced(estimates, of_values.sum(axis=0), of_rows, float(misfit @ misfit), freedom)
 
 
 def solved_again(rows: Rows, errors: Array) -> dict[str, float]:
-    """Return the coefficients of other rows, weighted as before.   errors : of the rows, as in `Solution`."""
+    """Return the coefficients of other rows, weighted as before.   errors : of the rows, as in `Balanced`."""
     weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
     estimate = solve(replace(rows, weights=weights))
     return {key: float(value) for key, value in estimate.values.items()}
@@ -148,7 +139,7 @@ def _root(covariance: Array) -> Array:
 
 def as_answer(
     name: str,
-    solution: Solution,
+    of: Balanced,
     rows: Rows,
     names: tuple[str, ...],
     parameters: Mapping[str, ParameterEstimate],
@@ -157,9 +148,9 @@ def as_answer(
 ) -> Answer:
     """Return the answer of the balance.   names, labels : of the rows.   parameters : all of them, with what the rows
     do not determine.   more : notes and merit of the answer."""
-    parameters = {**parameters, **solution.estimates}
-    covariance = covariance_of(parameters, [*solution.values], solution.covariance)
-    balance = Balance(rows, solution.errors, names, labels or {})
+    parameters = {**parameters, **of.estimates}
+    covariance = covariance_of(parameters, [*of.estimates], of.covariance)
+    balance = Balance(rows, of.errors, names, labels or {})
     return Answer(name, parameters, covariance, balance=balance, **more)
 
 
@@ -188,7 +179,7 @@ def features_of(readings: Sequence[Reading], means: Sequence[Means]) -> Features
     return features if held else features.replaced(**dict.fromkeys(_UNKNOWN, math.nan))
 
 
-def left_out(readings: Sequence[Reading]) -> list[tuple[int, Means]]:
+def _left_out(readings: Sequence[Reading]) -> list[tuple[int, Means]]:
     """Return means of one reading after the other, (j, r means): without one group of its rows after the other, and
     with each of its errors that no scatter between rows shows."""
     return [
@@ -198,22 +189,28 @@ def left_out(readings: Sequence[Reading]) -> list[tuple[int, Means]]:
     ]
 
 
+def features_left_out(readings: Sequence[Reading]) -> list[Features]:
+    """Return the features of all readings without groups of rows of one after the other, each (n, r)."""
+    each = []
+    for j, others in _left_out(readings):
+        means = [reading.mean[[0] * len(others.Y)] for reading in readings]
+        each.append(features_of(readings, [*means[:j], others, *means[j + 1 :]]))
+    return each
+
+
 def solved_forced(
     readings: Sequence[Reading], law: Law, k: float, *, frictionless: bool, correlated: bool = False
-) -> tuple[Rows, Solution]:
+) -> tuple[Rows, Balanced]:
     """Return the rows of readings that share the waveforms of a joint fit, and their solution."""
-    of_law = partial(rows_of, law=law, k=k, frictionless=frictionless)
     means = [reading.mean for reading in readings]
-    left = []
-    for j, others in left_out(readings):
-        each = [mean[[0] * len(others.Y)] for mean in means]
-        each[j] = others
-        left.append(of_law(features_of(readings, each)))
+    rows, *left = (
+        rows_of(features, law, k, frictionless=frictionless)
+        for features in (features_of(readings, means)[:, 0], *features_left_out(readings))
+    )
 
     def errors(values: Mapping[str, float]) -> list[Array]:
         return [jackknifed([part.misfit(values)]) for part in left]
 
-    rows = of_law(features_of(readings, means)[:, 0])
     freedoms = [part.W.shape[-1] - 1.0 for part in left]
     return rows, solved(rows, errors, freedoms, correlated=correlated)
 
@@ -241,7 +238,7 @@ def microstick(readings: Sequence[Reading]) -> Microstick:
     forces = {waveform.at[FRICTION]: waveform.F_k for waveform in waveforms}
     F_k, rho, at = float(np.mean([*forces.values()])), waveforms[0].rho, waveforms[0].at["rho"]
     left = []
-    for j, means in left_out(readings):
+    for j, means in _left_out(readings):
         moved = readings[j].moved(means)
         f, r = F_k + moved[[*forces]].mean(axis=0), rho + moved[at]
         left.append(np.stack([r, 2.0 * f * r * np.abs(r)]))

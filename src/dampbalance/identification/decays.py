@@ -42,7 +42,7 @@ from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95
 from .answer import BALANCE, UNKNOWN, USELESS, Interval, ParameterEstimate, answer_of_fit
 from .balance_check import by_scatter, contradiction, forbidden
-from .balance_rows import Solution, as_answer, solved
+from .balance_rows import Balanced, as_answer, solved
 from .causes import condition_on_contact
 from .decay_laws import (
     compare_decay_laws,
@@ -372,17 +372,17 @@ def _solved(
     warnings: Sequence[Finding],
 ) -> Result[DecayBasis]:
     """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
-    solution, friction = _balanced(rows)
-    misfit, freedom = solution.misfit, solution.freedom
+    solution = balanced(rows)
+    misfit, freedom, estimates = solution.misfit, solution.freedom, solution.estimates
     further = departures_of(fit)
     fit_notes = shortcomings_of(fit)
     doubts = doubts_of(fit, further)
     warnings = [*warnings, *doubts]
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, solution.chi_square) < P_OF_THE_MODEL:
-        off = by_scatter(solution.estimates, misfit)
+        off = by_scatter(estimates, misfit)
         notes.append(Finding("half cycles differ", {"misfit": misfit}, off))
-    if not solution.values:
+    if not estimates:
         notes.append(Finding("few half cycles", {"halves": rows.halves}))
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         fit_notes.append(Finding("decays without friction"))
@@ -392,7 +392,6 @@ def _solved(
     if 0.5 / dt < ringing < math.inf and not fit.K_z_interval[1] > 2.0 * fit.K_z:
         of_ringing = {"hertz": ringing, "rate": 1.0 / dt}
         fit_notes.append(Finding("rings", of_ringing, {"K_z": math.inf}))
-    estimates = solution.estimates | friction
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Finding(
             "clipped decay", {"quantity": signal.quantity}, of=one.source
@@ -416,7 +415,6 @@ def _solved(
         notes=tuple(notes),
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    answer = replace(answer, parameters={**answer.parameters, **friction})
     # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
     wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
@@ -460,22 +458,19 @@ def _scatter_of(fit: DecayFit) -> list[Finding]:
     return [Finding("friction differs", {"forces": forces, **of_mean})]
 
 
-def _balanced(rows: DecayRows) -> tuple[Solution, dict[str, ParameterEstimate]]:
-    """Return F_k and c of the rows; and F_k with its interval where it is the mean of several friction forces."""
-    W_, a, b = rows.columns[:, [W, A, B]].T
+def balanced(rows: DecayRows) -> Balanced:
+    """Return F_k and c of the rows, F_k as the mean where decays have friction forces of their own."""
+    work, a, b = rows.columns[:, [W, A, B]].T
     forces = np.unique(rows.friction)
     terms = {str(one): np.where(rows.friction == one, a, 0.0) for one in forces} or {"0": a}
-    each = solved(
-        Rows({**terms, "c": b}, W_), lambda _: [rows.covariance], [math.inf], free=rows.free
-    )
-    if not each.values:
-        return each, {}
-    values, covariance = np.array([*each.values.values()]), each.covariance
-    mean = ScatteringMean.of(values[:-1], covariance[:-1, :-1])
-    averages = np.zeros((2, values.size))
-    averages[0, :-1], averages[1, -1] = 1.0 / forces.size, 1.0
-    covariance = averages @ covariance @ averages.T
+    of_rows = Rows({**terms, "c": b}, work)
+    each = solved(of_rows, lambda _: [rows.covariance], [math.inf], free=rows.free)
+    if forces.size == 1 or not each.estimates:
+        return replace(each, estimates=dict(zip(TERMS, each.estimates.values(), strict=False)))
+    mean = ScatteringMean.of(np.array([*each.values.values()])[:-1], each.covariance[:-1, :-1])
+    F_k = ParameterEstimate(mean.value, mean.error, Interval(*mean.interval))
+    shares = np.full(forces.size, 1.0 / forces.size)
+    averages = np.array([[*shares, 0.0], [*(0.0 * shares), 1.0]])
+    covariance = averages @ each.covariance @ averages.T
     covariance[0, 0] = mean.error**2
-    of_both = dict(zip(TERMS, (averages @ values).tolist(), strict=True))
-    friction = ParameterEstimate(mean.value, mean.error, Interval(*mean.interval))
-    return replace(each, values=of_both, parts=[covariance]), {"F_k": friction}
+    return replace(each, estimates={"F_k": F_k, "c": each.estimates["c"]}, covariance=covariance)

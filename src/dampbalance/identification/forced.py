@@ -426,7 +426,7 @@ def _balance(
     rows, solution = solved_forced(readings, law, k, frictionless=frictionless)
     merit = {"residual": math.nan, "misfit": math.nan}
     sources, notes = tuple(reading.steady.source for reading in readings), list[Finding]()
-    if not solution.values:
+    if not solution.estimates:
         symbols = tuple(key for key in rows.terms if key not in rows.given)
         count, of_all = int(rows.usable.sum()), rows.usable.size
         of = {"symbols": symbols, "needed": len(symbols), "usable": count, "all": of_all}

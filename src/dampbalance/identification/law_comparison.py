@@ -287,7 +287,7 @@ def _by_balance(
     _, of = solved_forced(
         *(readings, law, readings[0].steady.k), frictionless=frictionless, correlated=True
     )
-    if not of.values:
+    if not of.estimates:
         return LawTest(terms, {}, {"balance": None})
     # the covariance comes from as many degrees of freedom as there are cycles, less one
     cycles = min(len(reading.steady.weights) for reading in readings)
