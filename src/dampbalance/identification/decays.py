@@ -134,14 +134,17 @@ class DecayBasis:
         return [*self.damping]
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
-        """Return the numbers of either answer with a fault: m, c, k, K_z and F_k times a number are an oscillator of
-        the same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing.
-        """
-        fit, scale = self.fit, 1.0 + fault.stiffness
+        """Return the numbers of an answer with a fault: m, c, k, K_z and F_k times a number are an oscillator of the
+        same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
+        fit, k = self.fit, 1.0 + fault.stiffness
         if fit.error("m") == 0.0 and (change := fault.mass - fault.stiffness):
             fit = _with_mass(fit, (1.0 + change) * fit.m) or fit
-        values = {"F_k": fit.F_k * (1.0 + fault.response), "c": fit.c, "K_z": fit.K_z, "m": fit.m}
-        return {symbol: scale * value for symbol, value in values.items()}
+        values = {symbol: getattr(fit, symbol) for symbol in ("F_k", "c", "K_z", "m")}
+        if name == BALANCE:  # its rows have the stick of the fit
+            own = self.half_cycles if fit is self.fit else rows_of(fit)
+            values |= balanced(own).values
+        scale = {"F_k": k * (1.0 + fault.response)}
+        return {symbol: scale.get(symbol, k) * value for symbol, value in values.items()}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return each decay with the motion fitted to it, and the rows of the balance, if there are any."""

@@ -146,6 +146,10 @@ class ForcedBasis:
         m, c, k, K_z and F_k times a number are an oscillator of the same motion; eta is a part of k.
         """
         common, readings = self.common, self.readings
+        change = fault.mass - fault.stiffness  # a mass given too large acts like a k too small
+        if common.mass_taken and change:
+            common = replace(common, fit=_with_mass(common.fit, change) or common.fit)
+            readings = tuple(with_common_fit(readings, common, self.law))
         means = [_with_fault(reading, fault) for reading in readings]
         fit: WaveformFit | FundamentalFit | None = None
         if name == FUNDAMENTALS:
@@ -156,13 +160,9 @@ class ForcedBasis:
             of = features_of(readings, means)[:, 0]
             rows = rows_of(of, self.law, found.k, frictionless=common.frictionless)
             rows = replace(rows, given=_scaled(rows.given, 1.0 / (1.0 + fault.stiffness)))
-            values = solved_again(rows, balance.errors)
-            return _scaled(values, 1.0 + fault.stiffness)
+            return _scaled(solved_again(rows, balance.errors), 1.0 + fault.stiffness)
         if fit is None:
             return {}
-        change = fault.mass - fault.stiffness  # a mass given too large acts like a k too small
-        if change and fit.error("m") == 0.0:
-            fit = _with_mass(fit, (1.0 + change) * fit.m) or fit
         moved = _moved(fit, readings, means)
         values = {key: fit.value(key) + moved[key] for key in (*fit.law.unknowns, "m")}
         if fit.rho:  # K_z = ρ^{−2}
@@ -446,9 +446,9 @@ def _balance(
 
 
 @lru_cache(maxsize=2)  # asked for by intervals, hint, report and document
-def _with_mass(fit: WaveformFit, m: float) -> WaveformFit | None:
-    """Return the fit with the mass given, kg."""
-    return refit(fit, given={"m": m})
+def _with_mass(fit: WaveformFit, change: float) -> WaveformFit | None:
+    """Return the fit with another mass given.   change : relative, of it."""
+    return refit(fit, given={"m": (1.0 + change) * fit.m})
 
 
 def _with_fault(reading: Reading, fault: Fault) -> Means:
