@@ -169,11 +169,15 @@ def rows_of(features: Features, law: Law, k: float, *, frictionless: bool = Fals
     return replace(rows, given={**rows.given, **dict.fromkeys(empty, 0.0)})
 
 
-def features_of(readings: Sequence[Reading], means: Sequence[Means]) -> Features:
+def features_of(
+    readings: Sequence[Reading], means: Sequence[Means], moved: Array | None = None
+) -> Features:
     """Return the features of n readings that share the waveforms of a joint fit (`with_common_fit`) from r means of
-    each, (n, r), the waveforms of all records following."""
+    each, (n, r), the waveforms of all records following.   moved : changes of the unknowns of the fit, (p, r); default,
+    those by all means."""
     pairs = [*zip(readings, means, strict=True)]
-    moved = np.sum([reading.moved(mean) for reading, mean in pairs], axis=0)
+    if moved is None:
+        moved = np.sum([reading.moved(mean) for reading, mean in pairs], axis=0)
     features = stack([reading.features_of(mean, moved)[None] for reading, mean in pairs])
     held = any(reading.waveform is not None for reading in readings)
     return features if held else features.replaced(**dict.fromkeys(_UNKNOWN, math.nan))

@@ -30,7 +30,6 @@ from ..features import FEATURE_COLUMNS, Features
 from ..findings.finding import UNBOUNDED, Finding
 from ..fit.fundamentals import FundamentalFit
 from ..fit.oscillator_fit import OscillatorFit
-from ..fit.steady_search import refit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
@@ -43,7 +42,6 @@ from ..signals.one_thread import one_thread
 from .answer import (
     DIRECT,
     FUNDAMENTALS,
-    REFERENCE,
     UNKNOWN,
     Answer,
     ParameterEstimate,
@@ -145,29 +143,28 @@ class ForcedBasis:
 
         m, c, k, K_z and F_k times a number are an oscillator of the same motion; eta is a part of k.
         """
-        common, readings = self.common, self.readings
-        change = fault.mass - fault.stiffness  # a mass given too large acts like a k too small
-        if common.mass_taken and change:
-            common = replace(common, fit=_with_mass(common.fit, change) or common.fit)
-            readings = tuple(with_common_fit(readings, common, self.law))
-        means = [_with_fault(reading, fault) for reading in readings]
-        fit: WaveformFit | FundamentalFit | None = None
+        common, k = self.common, 1.0 + fault.stiffness
+        means = [_with_fault(reading, fault) for reading in self.readings]
+        fit: WaveformFit | FundamentalFit | None = common.fit if common.waveforms_hold else None
         if name == FUNDAMENTALS:
             fit = common.fundamentals
-        elif name == REFERENCE and common.waveforms_hold:
-            fit = common.fit
-        elif balance := found.estimates[name].balance if name in found.estimates else None:
-            of = features_of(readings, means)[:, 0]
+        moved = None if fit is None else _moved(fit, self.readings, means)
+        if moved is not None and isinstance(fit, WaveformFit) and common.mass_taken:
+            # a mass given too large acts like a k too small
+            moved += (fault.mass - fault.stiffness) * _by_mass(fit)
+        balance = found.estimates[name].balance if name in found.estimates else None
+        if balance is not None:
+            of = features_of(self.readings, means, moved)[:, 0]
             rows = rows_of(of, self.law, found.k, frictionless=common.frictionless)
-            rows = replace(rows, given=_scaled(rows.given, 1.0 / (1.0 + fault.stiffness)))
-            return _scaled(solved_again(rows, balance.errors), 1.0 + fault.stiffness)
-        if fit is None:
+            rows = replace(rows, given=_scaled(rows.given, 1.0 / k))
+            return _scaled(solved_again(rows, balance.errors), k)
+        if fit is None or moved is None:
             return {}
-        moved = _moved(fit, readings, means)
-        values = {key: fit.value(key) + moved[key] for key in (*fit.law.unknowns, "m")}
+        by = dict(zip(fit.names, moved[:, 0].tolist(), strict=False))
+        values = {key: fit.value(key) + by[key] for key in (*fit.law.unknowns, "m")}
         if fit.rho:  # K_z = ρ^{−2}
-            values["K_z"] = (fit.rho - 2.0 * moved["rho"]) / fit.rho**3
-        return _scaled(values, 1.0 + fault.stiffness)
+            values["K_z"] = (fit.rho - 2.0 * by["rho"]) / fit.rho**3
+        return _scaled(values, k)
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the records folded onto one cycle, the friction force against displacement, and the rows of the
@@ -445,10 +442,15 @@ def _balance(
     )
 
 
-@lru_cache(maxsize=2)  # asked for by intervals, hint, report and document
-def _with_mass(fit: WaveformFit, change: float) -> WaveformFit | None:
-    """Return the fit with another mass given.   change : relative, of it."""
-    return refit(fit, given={"m": (1.0 + change) * fit.m})
+@lru_cache(maxsize=1)  # asked for with each fault
+def _by_mass(fit: WaveformFit) -> Array:
+    """Return the changes of the unknowns with the relative change of a mass that is given, (p, 1)."""
+    problem, at = replace(fit.problem, freed=(*fit.problem.freed, "m")), fit.names.index("m")
+    whole, by = problem.evaluate(fit.point), np.zeros(fit.point.size)
+    if whole is not None:  # else the motion rattles
+        by = -fit.m * fit.response @ whole[:, at]
+    by[at] = fit.m
+    return by[:, None]
 
 
 def _with_fault(reading: Reading, fault: Fault) -> Means:
@@ -466,17 +468,15 @@ def _with_fault(reading: Reading, fault: Fault) -> Means:
 
 
 def _moved(
-    fit: OscillatorFit, readings: Sequence[Reading], means: Sequence[Means]
-) -> dict[str, float]:
-    """Return the changes of the unknowns of a fit with other means of the records, to first order, by name."""
+    fit: WaveformFit | FundamentalFit, readings: Sequence[Reading], means: Sequence[Means]
+) -> Array:
+    """Return the changes of the unknowns of a fit with other means of the records, to first order, (p, 1)."""
     pairs = [*zip(readings, means, strict=True)]
-    if isinstance(fit, FundamentalFit):
-        Z = [[m.Y[0] / m.x[0, 0] for m in (mean, reading.mean)] for reading, mean in pairs]
-        other, own = np.transpose(Z)
-        changes = fit.moved(other / own - 1.0) * fit.point[: len(fit.names)]
-    else:
-        changes = np.sum([reading.moved(mean)[:, 0] for reading, mean in pairs], axis=0)
-    return dict(zip(fit.names, changes.tolist(), strict=False))
+    if not isinstance(fit, FundamentalFit):
+        return np.asarray(np.sum([reading.moved(mean) for reading, mean in pairs], axis=0))
+    Z = [[m.Y[0] / m.x[0, 0] for m in (mean, reading.mean)] for reading, mean in pairs]
+    other, own = np.transpose(Z)
+    return np.asarray(fit.moved(other / own - 1.0) * fit.point[: len(fit.names)])[:, None]
 
 
 def _scaled(values: Mapping[str, float], k: float) -> dict[str, float]:
