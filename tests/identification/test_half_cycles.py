@@ -13,7 +13,7 @@ import pytest
 from blind.decays import clean, record
 from dampbalance.fit.decay import Decay
 from dampbalance.identification.balance_check import contradiction
-from dampbalance.identification.decays import _least_squares, identify_decay_records
+from dampbalance.identification.decays import balanced, identify_decay_records
 from dampbalance.identification.half_cycles import rows_of, swings_of
 from dampbalance.signals.bursts import Signal
 from identification.releases import PLUCKED
@@ -127,11 +127,11 @@ def test_the_balance_contradicts_a_fit_that_is_wrong_and_holds_the_truth(order):
     truth, scores, apart, misfits = np.array([par.F_k, par.c]), [], [], []
     for seed in range(60):
         rows = check_of([noisy(par, motion, order, seed, start, 0)], par, *wrong)
-        values, covariance, misfit, _, _ = _least_squares(rows)
-        found, errors = np.array([*values.values()]), np.sqrt(np.diag(covariance))
+        of = balanced(rows)
+        found, errors = np.array([*of.values.values()]), np.sqrt(np.diag(of.covariance))
         scores.append((found - truth) / errors)
         apart.append((found - wrong) / errors)
-        misfits.append(misfit)
+        misfits.append(of.misfit)
     # of 120 numbers, in 60 pairs that are nearly one each: 95 % ± 6 %, and 1 % for the stick of the wrong fit
     within = np.mean(np.abs(scores) < 1.96, axis=0)
     assert (within > 0.88).all(), within
@@ -165,11 +165,11 @@ def test_an_offset_and_a_drift_do_not_move_the_balance(order):
     drift = np.zeros_like(motion)
     drift[order] = np.abs(motion[order]).max() * (0.2 + 0.02 * t * (order == 0))
     found = [
-        _least_squares(check_of([noisy(PLUCKED, moved, order, 1, start, 0)], PLUCKED, 0.1, 0.3))
+        balanced(check_of([noisy(PLUCKED, moved, order, 1, start, 0)], PLUCKED, 0.1, 0.3))
         for moved in (motion, motion + drift)
     ]
-    for symbol, error in zip(("F_k", "c"), np.sqrt(np.diag(found[0][1])), strict=True):
-        assert abs(found[1][0][symbol] - found[0][0][symbol]) < 0.5 * error
+    for symbol, error in zip(("F_k", "c"), np.sqrt(np.diag(found[0].covariance)), strict=True):
+        assert abs(found[1].values[symbol] - found[0].values[symbol]) < 0.5 * error
 
 
 def test_friction_forces_of_several_decays_are_separate():
@@ -181,8 +181,8 @@ def test_friction_forces_of_several_decays_are_separate():
     rows = rows_of(fit_of(PLUCKED, decays, lambda i: np.array([forces[i]])))
     assert np.unique(rows.friction).tolist() == [0, 1]
     assert rows.friction.tolist() == rows.decay.tolist()
-    values, covariance, *_ = _least_squares(rows)
-    assert values["F_k"] == pytest.approx(0.115, abs=4.0 * math.sqrt(covariance[0, 0]))
+    number = balanced(rows).estimates["F_k"]
+    assert number.value == pytest.approx(0.115, abs=4.0 * number.standard_error)
 
 
 @pytest.mark.parametrize("noise", [0.3, 1.0])
@@ -191,7 +191,7 @@ def test_samples_that_show_no_swing_clearly_give_no_row(noise):
     motion, (start,) = clean(par)
     rows = check_of([noisy(par, motion, 2, 0, start, 0)], par, 0.1, 0.3)
     assert rows.halves == len(rows.columns) == rows.free == 0
-    assert _least_squares(rows)[0] == {}
+    assert balanced(rows).values == {}
 
 
 class Stated(NamedTuple):

@@ -13,11 +13,12 @@ from scipy.integrate import solve_ivp
 
 from blind import truths as blind
 from blind.records import records
+from dampbalance.fit.errors import jackknifed
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.answer import REFERENCE
+from dampbalance.identification.balance_rows import estimate_of, features_left_out, rows_of
 from dampbalance.identification.document import table as rows_of_table
-from dampbalance.identification.forced import _parameter, identify_readings
-from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
+from dampbalance.identification.forced import identify_readings
 from dampbalance.law.law import Law
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
@@ -214,10 +215,10 @@ def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
         identified(readings(hz, 0.01, seed=50 + i, rate_hz=1000.0, channels=two)) for i in range(4)
     ]
     weighted = [[run.estimates["direct"].standard_errors[s] for s in ("F_k", "c")] for run in runs]
-    rows_of = LawRows(Law(), PAPER.k, frictionless=False)
     alike = []
     for run in runs:  # Eq. (9) as published
-        left = read_samples(run.basis.readings).map(lambda of: solve(rows_of(of.features))).left
+        features = features_left_out(run.basis.readings)
+        left = [solve(rows_of(of, Law(), PAPER.k)) for of in features]
         alike.append(np.diag(jackknifed([np.stack([*of.values.values()]) for of in left])))
     # 87 to 97 % and 12 to 28 %; four runs of 25 cycles know a variance to 15 %
     efficiency = bound[:2] ** 2 / np.mean(np.square(weighted), axis=0)
@@ -403,18 +404,12 @@ def test_the_interval_of_K_z_is_that_of_its_inverse_root():
 )
 def test_the_degrees_of_freedom_lie_between_those_of_one_record_and_of_all(scales, groups, freedom):
     """The Welch–Satterthwaite formula gives g − 1 where one record contributes all variance, Σ(g − 1) where each does
-    alike. The values without each group of cycles are such that the variances of the records are equal."""
-    left = [
-        s * np.resize([1.0, -1.0, 0.0], g) * math.sqrt(g / (g - 1))
-        for s, g in zip(scales, groups, strict=True)
-    ]
-    number = _parameter(Samples(np.array(3.0), tuple(left)))
+    alike."""
+    number = estimate_of(3.0, np.array(scales), [g - 1.0 for g in groups])
     low, high = number.interval
     assert 0.5 * (low + high) == pytest.approx(3.0)
-    # each record with a scale of 1 contributes the same variance: (g − 1)/g Σ p², p as above
-    variances = [(len(p) - 1) / len(p) * np.sum(p**2) for p in left]
-    assert number.standard_error == pytest.approx(math.sqrt(sum(variances)))
-    reach = 0.5 * (high - low) / math.sqrt(sum(variances))
+    assert number.standard_error == pytest.approx(math.sqrt(sum(scales)))
+    reach = 0.5 * (high - low) / math.sqrt(sum(scales))
     assert stats.t.cdf(reach, freedom) == pytest.approx(0.975, abs=1e-9)
 
 

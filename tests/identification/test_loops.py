@@ -278,16 +278,16 @@ def test_uncertainties_of_gain_and_delay_widen_the_intervals():
         mapping = {"channels": {**channels, "displacement": {"channel": "displacement_m"}}}
         return identify_loops(record, mapping=mapping)
 
-    plain, gain, delay, late = (
+    plain, gain, delay = (
         found(),
         found(gain_uncertainty=0.02),
         found(delay_uncertainty=1e-3),
-        found(1e-3),
     )
+    early, late = found(-1e-3), found(1e-3)
     for symbol, value in plain.values.items():
         half = {one: 0.5 * np.diff(of.intervals[symbol])[0] for one, of in [(0, plain), (1, gain)]}
         assert half[1] == pytest.approx(math.hypot(half[0], 1.96 * 0.02 * value), rel=1e-3)
-        off = 1.96 * (late.values[symbol] - value)
+        off = 0.98 * (late.values[symbol] - early.values[symbol])
         assert 0.5 * np.diff(delay.intervals[symbol])[0] == pytest.approx(
             math.hypot(half[0], off), rel=1e-3
         )

@@ -7,15 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.identification.oscillator import (
-    CommonFit,
-    common_fit,
-    jackknifed,
+from dampbalance.fit.errors import jackknifed
+from dampbalance.identification.balance_rows import (
+    features_left_out,
+    features_of,
     microstick,
-    read_samples,
-    sample_of,
-    with_common_fit,
 )
+from dampbalance.identification.oscillator import CommonFit, common_fit, with_common_fit
 from identification.levels import read
 from paper_case import PAPER, orbits_at
 
@@ -32,20 +30,20 @@ def shared(readings):
 
 
 @pytest.fixture(scope="module")
-def samples(shared):
-    return read_samples(shared)
+def left(shared):
+    """Features without one group of rows of one record after the other."""
+    return features_left_out(shared)
 
 
 @pytest.fixture(scope="module")
 def drawn(shared):
     """Features of 2,000 means of cycles drawn with replacement, (3, 2000)."""
     random = np.random.default_rng(1)
-    return sample_of(shared, [reading.resampled(2000, random) for reading in shared]).features
+    return features_of(shared, [reading.resampled(2000, random) for reading in shared])
 
 
-def test_there_is_one_line_whatever_is_left_out(samples):
-    for sample in (samples.point, *samples.left):
-        f = sample.features
+def test_there_is_one_line_whatever_is_left_out(shared, left):
+    for f in (features_of(shared, [reading.mean for reading in shared]), *left):
         length = f.X + f.X_s
         # the other records follow to first order: ρ moves by 1e-2 of itself at most
         np.testing.assert_allclose(length, length[:1] * np.ones_like(length), rtol=2e-4)
@@ -53,12 +51,12 @@ def test_there_is_one_line_whatever_is_left_out(samples):
         np.testing.assert_allclose(f.a, 2.0 * (f.X - f.X_s), rtol=1e-8)
         np.testing.assert_allclose(f.X_r, -f.X_s, rtol=1e-12)
         np.testing.assert_allclose(f.V_r, -f.V_s, rtol=1e-12)
-    assert len(samples.left) == 3
+    assert len(left) == 3
 
 
 @pytest.mark.parametrize("name", ["X_s", "V_s", "t_s", "a"])
-def test_leaving_out_rows_of_every_record_gives_the_scatter_of_drawn_cycles(samples, drawn, name):
-    covariance = jackknifed([getattr(part.features, name) for part in samples.left])
+def test_leaving_out_rows_of_every_record_gives_the_scatter_of_drawn_cycles(left, drawn, name):
+    covariance = jackknifed([getattr(part, name) for part in left])
     # 2,000 drawings know it to 1.6 %; drawing cycles and leaving them out agree to first order
     scatter = getattr(drawn, name).std(axis=1, ddof=1)
     assert np.sqrt(np.diag(covariance)) == pytest.approx(scatter, rel=0.08)
@@ -67,8 +65,8 @@ def test_leaving_out_rows_of_every_record_gives_the_scatter_of_drawn_cycles(samp
     )
 
 
-def test_the_length_of_the_line_and_its_errors(samples, drawn):
-    line = microstick(samples)
+def test_the_length_of_the_line_and_its_errors(shared, drawn):
+    line = microstick(shared)
     assert line.resolved
     assert abs(line.length - 2.0 * PAPER.F_k / PAPER.K_z) < 4.0 * line.standard_error
     lengths = drawn.X[0] + drawn.X_s[0]
@@ -78,12 +76,12 @@ def test_the_length_of_the_line_and_its_errors(samples, drawn):
 
 
 def test_without_an_oscillator_there_is_no_line(readings):
-    samples = read_samples(with_common_fit(readings, CommonFit(None, False, None)))
-    line = microstick(samples)
+    unfitted = with_common_fit(readings, CommonFit(None, False, None))
+    line = microstick(unfitted)
     assert not line.resolved
     assert math.isnan(line.length)
     assert math.isnan(line.bound)
-    f = samples.left[0].features
+    f = features_left_out(unfitted)[0]
     assert np.isnan(f.X_s).all()
     np.testing.assert_array_equal(f.a, 4.0 * f.X)
 

@@ -23,8 +23,9 @@ from dampbalance.identification.answer import (
     doubted,
 )
 from dampbalance.identification.balance_check import forbidden, notes_on
+from dampbalance.identification.balance_rows import Microstick
 from dampbalance.identification.diagnosis import agreement, on_records
-from dampbalance.identification.oscillator import CommonFit, Microstick
+from dampbalance.identification.oscillator import CommonFit
 from dampbalance.identification.result import Result
 from dampbalance.identification.screen import in_one, with_interval
 from dampbalance.project.wording import listed, times

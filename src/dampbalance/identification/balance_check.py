@@ -16,8 +16,8 @@ from ..project.wording import listed
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import SHOWS
-from ..solver import solve
 from .answer import Answer, ParameterEstimate
+from .balance_rows import solved_again
 from .oscillator import CommonFit
 
 
@@ -62,18 +62,13 @@ def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> 
 def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str, float]:
     """Return by what part each coefficient changes where the stick distance λ = 4X − a is off by half of it."""
     assert answer.balance is not None
-    rows, errors = answer.balance.rows, answer.balance.errors
-    weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
+    rows = answer.balance.rows
     stick = np.array([reading.stick_travel for reading in readings])
     terms = {
         key: g + 0.5 * stick if term(key).symbol == FRICTION else g for key, g in rows.terms.items()
     }
-    shifted = solve(replace(rows, terms=terms, weights=weights))
-    return {
-        symbol: abs(float(value) / answer.values[symbol] - 1.0)
-        for symbol, value in shifted.values.items()
-        if answer.values.get(symbol)
-    }
+    shifted = solved_again(replace(rows, terms=terms), answer.balance.errors)
+    return {s: abs(p / answer.values[s] - 1.0) for s, p in shifted.items() if answer.values.get(s)}
 
 
 def forbidden(

@@ -17,7 +17,6 @@ import numpy as np
 from scipy import special
 
 from ..arguments import NUMBERS, number
-from ..arrays import Array
 from ..balance import TERMS, Rows
 from ..findings.finding import Finding
 from ..findings.words import sentence
@@ -40,19 +39,10 @@ from ..signals.drive import stands_still
 from ..signals.log_decrement import SwingDamping, damping_of
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
-from ..solver import NORMAL_95, solve
-from .answer import (
-    BALANCE,
-    UNKNOWN,
-    USELESS,
-    Answer,
-    Balance,
-    Interval,
-    answer_of_fit,
-    covariance_of,
-    normal,
-)
-from .balance_check import contradiction, forbidden
+from ..solver import NORMAL_95
+from .answer import BALANCE, UNKNOWN, USELESS, Interval, ParameterEstimate, answer_of_fit
+from .balance_check import by_scatter, contradiction, forbidden
+from .balance_rows import Balanced, as_answer, solved
 from .causes import condition_on_contact
 from .decay_laws import (
     compare_decay_laws,
@@ -77,7 +67,6 @@ if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 
-_LIGHTER = 1e-2  # of a mass that is given: small enough for first order, large compared with where a climb ends
 # Of the motion, that a contact, a spring or a sensor which is not linear makes.
 _HARMONICS = (1, 2, 3, 5)
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
@@ -144,27 +133,18 @@ class DecayBasis:
         """Return what the swings show of frequency and damping over the amplitude, whatever the fit says."""
         return [*self.damping]
 
-    def shifts(
-        self, found: Result[Any], faults: Mapping[str, Fault], name: str
-    ) -> dict[str, dict[str, float]]:
-        """Return what faults of all records do to either answer: m, c, k, K_z and F_k times a number are an oscillator
-        of the same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does
-        nothing."""
-        fit = self.fit
-        lighter = dict.fromkeys(("F_k", "c", "K_z"), 0.0)
-        if fit.error("m") == 0.0 and any(of.stiffness or of.mass for of in faults.values()):
-            other = _with_mass(fit, (1.0 - _LIGHTER) * fit.m)
-            for symbol in lighter if other is not None else ():
-                here = getattr(fit, symbol)
-                lighter[symbol] = (getattr(other, symbol) / here - 1.0) / _LIGHTER if here else 0.0
-        changes = {
-            fault: {s: of.stiffness * (1.0 + by) - of.mass * by for s, by in lighter.items()}
-            | {"m": of.stiffness if fit.error("m") > 0.0 else of.mass}
-            for fault, of in faults.items()
-        }
-        for fault, of in faults.items():
-            changes[fault]["F_k"] += of.response
-        return changes
+    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
+        """Return the numbers of an answer with a fault: m, c, k, K_z and F_k times a number are an oscillator of the
+        same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
+        fit, k = self.fit, 1.0 + fault.stiffness
+        if fit.error("m") == 0.0 and (change := fault.mass - fault.stiffness):
+            fit = _with_mass(fit, (1.0 + change) * fit.m) or fit
+        values = {symbol: getattr(fit, symbol) for symbol in ("F_k", "c", "K_z", "m")}
+        if name == BALANCE:  # its rows have the stick of the fit
+            own = self.half_cycles if fit is self.fit else rows_of(fit)
+            values |= balanced(own).values
+        scale = {"F_k": k * (1.0 + fault.response)}
+        return {symbol: scale.get(symbol, k) * value for symbol, value in values.items()}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return each decay with the motion fitted to it, and the rows of the balance, if there are any."""
@@ -395,26 +375,17 @@ def _solved(
     warnings: Sequence[Finding],
 ) -> Result[DecayBasis]:
     """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
-    values, covariance, misfit, freedom, interval = _least_squares(rows)
+    solution = balanced(rows)
+    misfit, freedom, estimates = solution.misfit, solution.freedom, solution.estimates
     further = departures_of(fit)
     fit_notes = shortcomings_of(fit)
     doubts = doubts_of(fit, further)
     warnings = [*warnings, *doubts]
     notes = [*fit_notes]
-    if freedom > 0 and special.chdtrc(freedom, misfit * freedom) < P_OF_THE_MODEL:
-        notes.append(
-            Finding(
-                "half cycles differ",
-                {"misfit": misfit},
-                {
-                    symbol: NORMAL_95 * math.sqrt(misfit * variance) / abs(value)
-                    for (symbol, value), variance in zip(
-                        values.items(), np.diag(covariance).tolist(), strict=True
-                    )
-                },
-            )
-        )
-    if not values:
+    if freedom > 0 and special.chdtrc(freedom, solution.chi_square) < P_OF_THE_MODEL:
+        off = by_scatter(estimates, misfit)
+        notes.append(Finding("half cycles differ", {"misfit": misfit}, off))
+    if not estimates:
         notes.append(Finding("few half cycles", {"halves": rows.halves}))
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
         fit_notes.append(Finding("decays without friction"))
@@ -424,10 +395,6 @@ def _solved(
     if 0.5 / dt < ringing < math.inf and not fit.K_z_interval[1] > 2.0 * fit.K_z:
         of_ringing = {"hertz": ringing, "rate": 1.0 / dt}
         fit_notes.append(Finding("rings", of_ringing, {"K_z": math.inf}))
-    errors = np.sqrt(np.diag(covariance)).tolist()
-    estimates = {s: normal(p, error) for (s, p), error in zip(values.items(), errors, strict=True)}
-    if interval is not None:
-        estimates["F_k"] = replace(estimates["F_k"], interval=interval)
     clipped_signals = {
         f"{signal.quantity} of {one.source}": Finding(
             "clipped decay", {"quantity": signal.quantity}, of=one.source
@@ -438,20 +405,17 @@ def _solved(
     }
     notes += forbidden(estimates, list(clipped_signals), "negative decay")
     reference = answer_of_fit(fit, TERMS, fit_notes)
-    parameters = {**dict.fromkeys(TERMS, UNKNOWN), **estimates, "K_z": reference.K_z}
     numbers = (rows.decay + 1).tolist()
-    balance = Balance(
-        Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
-        np.sqrt(np.diag(rows.covariance)),
+    answer = as_answer(
+        *(
+            BALANCE,
+            solution,
+            Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
+        ),
         tuple(f"decay {i}" for i in numbers),
+        {**dict.fromkeys(TERMS, UNKNOWN), "K_z": reference.K_z},
         {"decay": numbers},
-    )
-    answer = Answer(
-        BALANCE,
-        parameters,
-        covariance_of(parameters, [*values], covariance),
-        tuple(notes),
-        balance,
+        notes=tuple(notes),
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
     # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
@@ -497,35 +461,19 @@ def _scatter_of(fit: DecayFit) -> list[Finding]:
     return [Finding("friction differs", {"forces": forces, **of_mean})]
 
 
-def _least_squares(
-    rows: DecayRows,
-) -> tuple[dict[str, float], Array, float, int, Interval | None]:
-    """Return (F_k and c by symbol, their covariance, χ² per degree of freedom, degrees of freedom, interval of F_k
-    where it is the mean of several friction forces)."""
-    scale = np.sqrt(np.diag(rows.covariance))
-    scale = np.where(scale > 0.0, scale, 1.0)
-    # rows that share half cycles may nearly be one
-    sizes, vectors = np.linalg.eigh(rows.covariance / np.outer(scale, scale))
-    least = 1e-10 * sizes.max(initial=0.0)
-    forces = np.unique(rows.friction[rows.friction >= 0])
-    travels = [np.where(rows.friction == one, rows.columns[:, A], 0.0) for one in forces]
-    columns = np.column_stack([rows.columns[:, W], *travels, rows.columns[:, B]])
-    white = (vectors / np.sqrt(np.maximum(sizes, least))).T @ (columns / scale[:, None])
-    estimate = solve(Rows({str(j): g for j, g in enumerate(white.T[1:])}, white[:, W]))
-    if math.isnan(estimate.residual):
-        return {}, np.empty((0, 0)), math.nan, 0, None
-    values = np.array([*map(float, estimate.values.values())])
-    inverse = np.linalg.pinv(white[:, 1:])
-    covariance = inverse @ inverse.T
-    left = white @ [-1.0, *values]
-    freedom = len(white) - values.size - rows.free
-    misfit = float(left @ left) / freedom if freedom > 0 else math.nan
-    if forces.size == 1:
-        interval = None
-    else:
-        mean = ScatteringMean.of(values[:-1], covariance[:-1, :-1])
-        averages = np.zeros((2, values.size))
-        averages[0, :-1], averages[1, -1] = 1.0 / forces.size, 1.0
-        values, covariance = averages @ values, averages @ covariance @ averages.T
-        covariance[0, 0], interval = mean.error**2, Interval(*mean.interval)
-    return dict(zip(TERMS, values.tolist(), strict=True)), covariance, misfit, freedom, interval
+def balanced(rows: DecayRows) -> Balanced:
+    """Return F_k and c of the rows, F_k as the mean where decays have friction forces of their own."""
+    work, a, b = rows.columns[:, [W, A, B]].T
+    forces = np.unique(rows.friction)
+    terms = {str(one): np.where(rows.friction == one, a, 0.0) for one in forces} or {"0": a}
+    of_rows = Rows({**terms, "c": b}, work)
+    each = solved(of_rows, lambda _: [rows.covariance], [math.inf], free=rows.free)
+    if forces.size == 1 or not each.estimates:
+        return replace(each, estimates=dict(zip(TERMS, each.estimates.values(), strict=False)))
+    mean = ScatteringMean.of(np.array([*each.values.values()])[:-1], each.covariance[:-1, :-1])
+    F_k = ParameterEstimate(mean.value, mean.error, Interval(*mean.interval))
+    shares = np.full(forces.size, 1.0 / forces.size)
+    averages = np.array([[*shares, 0.0], [*(0.0 * shares), 1.0]])
+    covariance = averages @ each.covariance @ averages.T
+    covariance[0, 0] = mean.error**2
+    return replace(each, estimates={"F_k": F_k, "c": each.estimates["c"]}, covariance=covariance)

@@ -20,8 +20,9 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import P_CAUSE, SHOWS
 from .answer import Answer
 from .balance_check import alike, contradiction
+from .balance_rows import Microstick
 from .causes import departure, doubts_of, hint_of, likeliest, shown_by
-from .oscillator import CommonFit, Microstick
+from .oscillator import CommonFit
 
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
 

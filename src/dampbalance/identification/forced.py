@@ -19,18 +19,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from operator import itemgetter
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
-from scipy import special
 
 from ..arguments import NUMBERS, number
 from ..arrays import Array
-from ..balance import Rows
 from ..features import FEATURE_COLUMNS, Features
 from ..findings.finding import UNBOUNDED, Finding
+from ..fit.fundamentals import FundamentalFit
 from ..fit.oscillator_fit import OscillatorFit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
@@ -39,45 +37,36 @@ from ..project.options import ForcedOptions, Stated, with_options
 from ..records.channel import ABSOLUTE, RELATIVE
 from ..records.mapping import MappingLike
 from ..records.record import Record
-from ..signals.mean_harmonics import Reading
+from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
-from ..solver import Estimate, least_squares, solve
 from .answer import (
-    CONFIDENCE,
     DIRECT,
     FUNDAMENTALS,
-    REFERENCE,
     UNKNOWN,
     Answer,
-    Balance,
-    Interval,
     ParameterEstimate,
-    covariance_of,
 )
 from .balance_check import contradiction, notes_on
+from .balance_rows import (
+    Microstick,
+    as_answer,
+    features_of,
+    microstick,
+    rows_of,
+    solved_again,
+    solved_forced,
+)
 from .causes import GRADUAL, condition_on_contact
 from .diagnosis import agreement, on_records
 from .law_comparison import compare_laws
 from .level import Column, Level
 from .loading import load, require_different_levels, unclipped
-from .oscillator import (
-    CommonFit,
-    LawRows,
-    Microstick,
-    Sample,
-    Samples,
-    common_fit,
-    covariance_of_rows,
-    jackknifed,
-    microstick,
-    read_samples,
-    with_common_fit,
-)
+from .oscillator import CommonFit, common_fit, with_common_fit
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
 from .rigs import Masses, masses_of, of_a_mount, require_driven_by, require_possible
 from .screen import implied
-from .sensitivities import Fault, sensitivities, shifts_of_fit, shifts_of_fundamentals
+from .sensitivities import Fault
 from .stated import with_stated_uncertainties
 
 if TYPE_CHECKING:
@@ -148,18 +137,34 @@ class ForcedBasis:
             levels.append(Level(reading.steady.source, X, reading.steady.omega, W, F_k * a))
         return levels
 
-    def shifts(
-        self, found: Result[Any], faults: Mapping[str, Fault], name: str
-    ) -> dict[str, dict[str, float]]:
-        """Return what faults of all records do to an answer; of a fit only where it is that of the waveforms."""
-        if name == FUNDAMENTALS and self.common.fundamentals is not None:
-            return shifts_of_fundamentals(self.readings, self.common.fundamentals, faults)
-        if name in found.estimates:
-            rows_of = LawRows(self.law, found.k, self.common.frictionless)
-            return sensitivities(self.readings, rows_of, found.estimates[name], faults)
-        held = name == REFERENCE and self.common.waveforms_hold
-        fit = self.common.fit if held else None
-        return {} if fit is None else shifts_of_fit(self.readings, fit, faults)
+    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
+        """Return the numbers of an answer from harmonics with a fault: fits follow to first order, that of the
+        waveforms where it holds; rows of the balance are read and solved again.
+
+        m, c, k, K_z and F_k times a number are an oscillator of the same motion; eta is a part of k.
+        """
+        common, k = self.common, 1.0 + fault.stiffness
+        means = [_with_fault(reading, fault) for reading in self.readings]
+        fit: WaveformFit | FundamentalFit | None = common.fit if common.waveforms_hold else None
+        if name == FUNDAMENTALS:
+            fit = common.fundamentals
+        moved = None if fit is None else _moved(fit, self.readings, means)
+        if moved is not None and isinstance(fit, WaveformFit) and common.mass_taken:
+            # a mass given too large acts like a k too small
+            moved += (fault.mass - fault.stiffness) * _by_mass(fit)
+        balance = found.estimates[name].balance if name in found.estimates else None
+        if balance is not None:
+            of = features_of(self.readings, means, moved)[:, 0]
+            rows = rows_of(of, self.law, found.k, frictionless=common.frictionless)
+            rows = replace(rows, given=_scaled(rows.given, 1.0 / k))
+            return _scaled(solved_again(rows, balance.errors), k)
+        if fit is None or moved is None:
+            return {}
+        by = dict(zip(fit.names, moved[:, 0].tolist(), strict=False))
+        values = {key: fit.value(key) + by[key] for key in (*fit.law.unknowns, "m")}
+        if fit.rho:  # K_z = ρ^{−2}
+            values["K_z"] = (fit.rho - 2.0 * by["rho"]) / fit.rho**3
+        return _scaled(values, k)
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the records folded onto one cycle, the friction force against displacement, and the rows of the
@@ -360,12 +365,11 @@ def identify_readings(
             reference, notes=(*reference.notes, Finding("fewer levels", effect=UNBOUNDED))
         )
     readings = with_common_fit(readings, common, law)
-    samples = read_samples(readings)
-    line = microstick(samples)
+    line, own = microstick(readings), features_of(readings, [reading.mean for reading in readings])
     alone = common.answer_of_fundamentals
     estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
     K_z = reference.K_z if reference is not None and common.waveforms_hold else UNKNOWN
-    direct = _balance(LawRows(law, k, common.frictionless), readings, samples, K_z)
+    direct = _balance(readings, law, k, K_z, frictionless=common.frictionless)
     notes = (*direct.notes, *notes_on(direct, readings, common))
     estimates[DIRECT] = replace(direct, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
@@ -379,7 +383,7 @@ def identify_readings(
     if fit is not None and common.waveforms_hold and not fit.parameters[GRADUAL].free:
         rig += condition_on_contact(fit, fit.departures.values())
     return Result(
-        basis=ForcedBasis(law, tuple(readings), common, samples.point.features, line),
+        basis=ForcedBasis(law, tuple(readings), common, own[:, 0], line),
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,
@@ -396,7 +400,7 @@ def _vetoed(common: CommonFit, readings: Sequence[Reading], k: float, law: Law) 
     one: these departures are then as likely a chance of the noise."""
     plain = common.uncorrected
     readings = with_common_fit(readings, plain, law)
-    direct = _balance(LawRows(law, k, frictionless=False), readings, read_samples(readings))
+    direct = _balance(readings, law, k)
     own = direct.coefficients.items()
 
     def apart(fit: OscillatorFit) -> float:
@@ -408,70 +412,73 @@ def _vetoed(common: CommonFit, readings: Sequence[Reading], k: float, law: Law) 
 
 
 def _balance(
-    rows_of: LawRows,
     readings: Sequence[Reading],
-    samples: Samples[Sample],
+    law: Law,
+    k: float,
     K_z: ParameterEstimate = UNKNOWN,
+    *,
+    frictionless: bool = False,
 ) -> Answer:
     """Return the coefficients by direct integration, with standard errors and intervals.   K_z : of the fit."""
-    sources = tuple(reading.steady.source for reading in readings)
-    rows = samples.map(lambda sample: rows_of(sample.features))
-    point, usable = rows.point, rows.point.usable
-    uncertain = replace(point, covariance=covariance_of_rows(rows.left))
-    nothing: dict[str, ParameterEstimate] = dict.fromkeys((*rows_of.law.unknowns, "K_z"), UNKNOWN)
-    try:
-        estimate = least_squares(uncertain)
-    except ValueError:
-        symbols = tuple(key for key in point.terms if key not in point.given)
-        count = int(usable.sum())
-        of = {"symbols": symbols, "needed": len(symbols), "usable": count, "all": usable.size}
+    rows, solution = solved_forced(readings, law, k, frictionless=frictionless)
+    merit = {"residual": math.nan, "misfit": math.nan}
+    sources, notes = tuple(reading.steady.source for reading in readings), list[Finding]()
+    if not solution.estimates:
+        symbols = tuple(key for key in rows.terms if key not in rows.given)
+        count, of_all = int(rows.usable.sum()), rows.usable.size
+        of = {"symbols": symbols, "needed": len(symbols), "usable": count, "all": of_all}
         why = Finding("few rows" if count < len(symbols) else "rows alike", of)
-        if len(readings) < len(rows_of.law.unknowns):
-            why = Finding("level for each")
-        return Answer(
-            *(DIRECT, nothing, covariance_of(nothing), (why,)),
-            Balance(point, np.full(len(point.W), math.nan), sources),
-            merit={"residual": math.nan, "misfit": math.nan},
-        )
-    weights = uncertain.weighted(estimate.values).weights
-    assert weights is not None
-    weighted = np.isfinite(weights[usable]).all()  # exact rows have no errors
-    shared = weights if weighted else np.ones(len(weights))
-
-    def weighed(of: Rows) -> Estimate:
-        """Return the estimates from r times rows, (n, r), weighted like those of the records, (n,)."""
-        return solve(replace(of, weights=np.broadcast_to(shared[:, None], of.W.shape)))
-
-    estimates = Samples(estimate, tuple(map(weighed, rows.left)))
-    covariance = jackknifed([np.stack([*of.values.values()]) for of in estimates.left])
-    parameters = nothing | _parameters(estimates) | {"K_z": K_z}
-    off = point.misfit({**point.given, **estimate.values})[usable]
-    merit, freedom = {"residual": math.nan, "misfit": math.nan}, estimate.n - len(estimate.values)
-    if freedom:
-        merit["residual"] = float(np.linalg.norm(off) / np.linalg.norm(point.W[usable]))
-        merit["misfit"] = float(weights[usable] @ off**2 / freedom) if weighted else math.nan
-    return Answer(
-        *(DIRECT, parameters, covariance_of(parameters, [*estimate.values], covariance)),
-        balance=Balance(point, 1.0 / np.sqrt(weights), sources),
-        merit=merit,
+        notes = [Finding("level for each") if len(readings) < len(law.unknowns) else why]
+        K_z = UNKNOWN
+    elif solution.freedom:
+        off = rows.misfit({**rows.given, **solution.values})[rows.usable]
+        merit["residual"] = float(np.linalg.norm(off) / np.linalg.norm(rows.W[rows.usable]))
+        exact = (solution.errors == 0.0).any()  # such rows have no misfit to compare
+        merit["misfit"] = math.nan if exact else solution.misfit
+    nothing: dict[str, ParameterEstimate] = dict.fromkeys(law.unknowns, UNKNOWN)
+    parameters = {**nothing, "K_z": K_z}
+    return as_answer(
+        *(DIRECT, solution, rows, sources, parameters), notes=tuple(notes), merit=merit
     )
 
 
-def _parameters(estimates: Samples[Estimate]) -> dict[str, ParameterEstimate]:
-    return {s: _parameter(estimates.map(itemgetter(s))) for s in estimates.point.values}
+@lru_cache(maxsize=1)  # asked for with each fault
+def _by_mass(fit: WaveformFit) -> Array:
+    """Return the changes of the unknowns with the relative change of a mass that is given, (p, 1)."""
+    problem, at = replace(fit.problem, freed=(*fit.problem.freed, "m")), fit.names.index("m")
+    whole, by = problem.evaluate(fit.point), np.zeros(fit.point.size)
+    if whole is not None:  # else the motion rattles
+        by = -fit.m * fit.response @ whole[:, at]
+    by[at] = fit.m
+    return by[:, None]
 
 
-def _parameter(values: Samples[Array]) -> ParameterEstimate:
-    """Return the standard error and interval of one number.
+def _with_fault(reading: Reading, fault: Fault) -> Means:
+    """Return the means of a record with a fault.
 
-    The variances that the records contribute, v_i of g_i groups, give the degrees of freedom of their sum,
-    (Σ v_i)²/Σ v_i²/(g_i − 1) (Welch–Satterthwaite), and the degrees of freedom the quantile of Student's t.
+    A force f moves the mass like the base motion f/k: an error of k is one of that motion; and so is one of the mass m
+    that stands on a base which moves, where f is −mÿ.
     """
-    value = float(values.point)
-    parts = np.array([(len(p) - 1) / len(p) * np.sum((p - p.mean()) ** 2) for p in values.left])
-    groups = np.array([len(p) for p in values.left])
-    total = math.fsum(parts)
-    freedom = total**2 / float(np.sum(parts**2 / (groups - 1))) if total > 0.0 else math.inf
-    error = math.sqrt(total)
-    reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
-    return ParameterEstimate(value, error, Interval(value - reach, value + reach))
+    steady = reading.steady
+    on_base = steady.base_mass is not None
+    lever = fault.mass * on_base - fault.stiffness * (on_base or "force" in steady.channels)
+    turn = fault.late * steady.omega + fault.angle
+    gains = 1.0 + fault.drive, 1.0 + fault.response
+    return reading.mean.changed(*gains, turn, 1.0 + lever, steady.added)
+
+
+def _moved(
+    fit: WaveformFit | FundamentalFit, readings: Sequence[Reading], means: Sequence[Means]
+) -> Array:
+    """Return the changes of the unknowns of a fit with other means of the records, to first order, (p, 1)."""
+    pairs = [*zip(readings, means, strict=True)]
+    if not isinstance(fit, FundamentalFit):
+        return np.asarray(np.sum([reading.moved(mean) for reading, mean in pairs], axis=0))
+    Z = [[m.Y[0] / m.x[0, 0] for m in (mean, reading.mean)] for reading, mean in pairs]
+    other, own = np.transpose(Z)
+    return np.asarray(fit.moved(other / own - 1.0) * fit.point[: len(fit.names)])[:, None]
+
+
+def _scaled(values: Mapping[str, float], k: float) -> dict[str, float]:
+    """Return numbers of the oscillator of the same motion with k times the stiffness; eta is a part of it."""
+    return {s: p if getattr(s, "symbol", s) == "eta" else k * p for s, p in values.items()}

@@ -24,7 +24,6 @@ from typing import Any
 import numpy as np
 from scipy import special
 
-from ..balance import Rows
 from ..findings.finding import Finding
 from ..fit.goodness import as_good, probability
 from ..fit.steady_search import fit_quickly, refit
@@ -34,16 +33,8 @@ from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import BUDGET
-from ..solver import solve
-from .oscillator import (
-    CommonFit,
-    LawRows,
-    Samples,
-    covariance_of_rows,
-    jackknifed,
-    read_samples,
-    with_common_fit,
-)
+from .balance_rows import solved_forced
+from .oscillator import CommonFit, with_common_fit
 
 MOST_TERMS = 2
 """Most terms of a law that is tried, in addition to friction."""
@@ -150,9 +141,6 @@ class LawComparison:
 
 _NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
 _SURE = 1e-9  # probability of a balance below which the waveforms are not asked
-# Share of the work that harmonics up to a finite order leave out. Cycles without noise may repeat to the last bit.
-_EXACT = 1e-8
-_REPEATS = 4  # of generalised least squares, since its covariance depends on the solution
 _APART = 4.0  # of squares of in-phase misfits in standard errors: less is noise
 _ALIKE = 1.001  # of frequencies: closer ones count as one
 
@@ -293,43 +281,18 @@ def _by_balance(
     terms : of it; `law` may have a friction force that stands for none.   common : with the oscillator that has it, or
     none, whose rows need no onset of slip.
     """
-    rows_of = LawRows(law, readings[0].steady.k, frictionless=common.fit is None)
-    samples = read_samples(with_common_fit(readings, common, law))
-    cycles = min(len(reading.steady.weights) for reading in readings)
-    balance, coefficients = _generalised(samples.map(lambda of: rows_of(of.features)), cycles)
-    return LawTest(terms, coefficients, {"balance": balance})
-
-
-def _generalised(
-    of: Samples[Rows], cycles: int
-) -> tuple[Probability | None, dict[str, tuple[float, float]]]:
-    """Test of the rows by generalised least squares, and the coefficients."""
-    used = of.point.usable
-    rows, left = of.point[used], [part[used] for part in of.left]
-    symbols = [key for key in rows.terms if key not in rows.given]
-    freedom = int(used.sum()) - len(symbols)
-    estimate = solve(replace(rows, covariance=covariance_of_rows(left)))
-    p = np.array([float(estimate[symbol]) for symbol in symbols])
-    if freedom < 0 or not np.isfinite(p).all():
-        return None, {}
-    A = np.column_stack([rows.terms[symbol] for symbol in symbols])
-    right = rows.W - sum(value * rows.terms[key] for key, value in rows.given.items())
-    for _ in range(_REPEATS):
-        known = {**rows.given, **dict(zip(symbols, p, strict=True))}
-        covariance = jackknifed([part.misfit(known) for part in left])
-        factor = np.linalg.cholesky(covariance + np.diag((_EXACT * rows.W) ** 2))
-        white, aim = np.linalg.solve(factor, A), np.linalg.solve(factor, right)
-        size = np.linalg.norm(white, axis=0)
-        p = np.linalg.lstsq(white / size, aim)[0] / size
-    chi_square = float(np.sum((white @ p - aim) ** 2))
-    inverse = np.linalg.pinv(white / size) / size[:, None]
-    errors = np.sqrt(np.sum(inverse**2, axis=1))
-    # the covariance comes from as many degrees of freedom as there are cycles, less one
-    chance = (
-        float(special.fdtrc(freedom, cycles - 1, chi_square / freedom)) if freedom else math.nan
+    readings = with_common_fit(readings, common, law)
+    frictionless = common.fit is None
+    _, of = solved_forced(
+        *(readings, law, readings[0].steady.k), frictionless=frictionless, correlated=True
     )
-    coefficients = dict(zip(symbols, zip(p.tolist(), errors.tolist(), strict=True), strict=True))
-    return Probability(chi_square, freedom, chance), coefficients
+    if not of.estimates:
+        return LawTest(terms, {}, {"balance": None})
+    # the covariance comes from as many degrees of freedom as there are cycles, less one
+    cycles = min(len(reading.steady.weights) for reading in readings)
+    p = float(special.fdtrc(of.freedom, cycles - 1, of.misfit)) if of.freedom else math.nan
+    coefficients = {key: (one.value, one.standard_error) for key, one in of.estimates.items()}
+    return LawTest(terms, coefficients, {"balance": Probability(of.chi_square, of.freedom, p)})
 
 
 def _rejected(p: Sequence[float]) -> list[bool]:

@@ -187,27 +187,16 @@ class LoopBasis:
                 levels.append(Level(loop.name, X, omega, W, of_friction, more))
         return levels
 
-    def shifts(
-        self, found: Result[Any], faults: Mapping[str, Fault], name: str
-    ) -> dict[str, dict[str, float]]:
-        """Return the changes of an answer with faults of gain and timing: all are in proportion to the force, c and K_z
-        inversely so to the displacement; a displacement that is late is fitted again."""
-        shifts: dict[str, dict[str, float]] = {}
-        timed = all(loop.timed for loop in self.loops)
-        for what, fault in faults.items():
-            acts = fault.drive or fault.response or (fault.late and timed)
-            if not (acts and (fit := self.fits.get(name))):
-                continue
-            late = with_late_motion(fit, fault.late).values if fault.late else fit.values
-            shifts[what] = {
-                s: late.get(s, math.nan) / fit.values[s]
-                - 1.0
-                + fault.drive
-                - fault.response * (s != FRICTION)
-                for s in found.estimates[name].parameters
-                if fit.values.get(s)
-            }
-        return shifts
+    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
+        """Return the numbers of an answer with a fault: all are in proportion to the force, c and K_z inversely so to
+        the displacement; one that is late is fitted again."""
+        if not (fit := self.fits.get(name)):
+            return {}
+        if fault.late and all(loop.timed for loop in self.loops):
+            fit = with_late_motion(fit, fault.late)
+        scale = dict.fromkeys(("c", "K_z"), (1.0 + fault.drive) / (1.0 + fault.response))
+        scale[FRICTION] = 1.0 + fault.drive
+        return {s: fit.values[s] * by for s, by in scale.items() if s in fit.values}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return force over displacement with the model and the backbone, loss and stiffness against the amplitude,

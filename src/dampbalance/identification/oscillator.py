@@ -1,22 +1,11 @@
-"""One oscillator fitted to all records by maximum likelihood, the answer where it holds, which the balance checks; and
-what the rows of the balance take from it: features with the onset of slip, and what their errors follow from.
-
-The microstick line has one length for all records of a contact, L = X + X_s = 2F_k/K_z (10). It comes from the
-waveforms of that fit; the errors of all that the waveforms give follow from the data of every record.
-"""
+"""One oscillator fitted to all records by maximum likelihood, the answer where it holds, which the balance checks."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Generic, TypeVar
 
-import numpy as np
-
-from ..arrays import Array
-from ..balance import APPROACHES, Rows
-from ..features import Features, stack
 from ..findings.finding import UNBOUNDED, Finding
 from ..fit.fit import OscillatorFit
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
@@ -26,18 +15,13 @@ from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..signals.lines import Lines
-from ..signals.mean_harmonics import Means, Reading
+from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import P_SHOWN, SHOWS
 from ..solver import NORMAL_95
-from .answer import DIRECT, FUNDAMENTALS, Answer, answer_of_fit
+from .answer import FUNDAMENTALS, Answer, answer_of_fit
 from .causes import FRAME, NOT_IN_ROWS, Explanation, departure, explanations, fall_of, moves
 
-Of = TypeVar("Of")
-To = TypeVar("To")
-
 _DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping act differently
-
-_UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,129 +266,3 @@ def with_common_fit(
             travel = nearest.stick_travel if nearest.slips else math.nan
         fitted.append(replace(reading, waveform=shared, stick_travel=travel, terms=wanted))
     return fitted
-
-
-# --- rows and their errors ------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class LawRows:
-    """How direct integration makes rows of the balance of a law.
-
-    k : N/m.   frictionless : whether friction has no column.
-    """
-
-    law: Law
-    k: float
-    frictionless: bool
-
-    def __call__(self, features: Features) -> Rows:
-        """The rows of features, with a column for each coefficient; one whose records all lack rows has none."""
-        rows = APPROACHES[DIRECT](features, self.k, self.law.terms)
-        if self.frictionless:
-            rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
-        rows = rows.of_law(self.law)
-        kept = rows.usable
-        empty = [key for key, g in rows.terms.items() if not np.where(kept, g, 0.0).any()]
-        return replace(rows, given={**rows.given, **dict.fromkeys(empty, 0.0)})
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """Features of n records, (n,) as read or (n, r) of r means, and two unknowns of their oscillator, (r,).
-
-    F_k : N, the mean over its groups.   rho : K_z^{−1/2}.   NaN where no oscillator holds.
-    """
-
-    features: Features
-    F_k: Array
-    rho: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Samples(Generic[Of]):
-    """Features of n records, with the inputs of their errors.
-
-    point : as read.   left : for each record, without one group of its rows after the other.
-    """
-
-    point: Of
-    left: tuple[Of, ...]
-
-    def map(self, of: Callable[[Of], To]) -> Samples[To]:
-        """Return what a function makes of each."""
-        return Samples(of(self.point), tuple(map(of, self.left)))
-
-
-@dataclass(frozen=True, slots=True)
-class Microstick:
-    """Length of the microstick line X + X_s = 2F_k/K_z that all records share, m.
-
-    resolved : whether the 95 % interval of its root lies above zero.   bound : upper bound at 97.5 % confidence.
-    All numbers are NaN where the waveforms of the records are not known.
-    """
-
-    length: float
-    standard_error: float
-    resolved: bool
-    bound: float
-
-
-def jackknifed(left: Sequence[Array]) -> Array:
-    """Return the covariance of n numbers, which leaving out groups of rows gives:
-
-        C = Σ_j (g_j − 1)/g_j Σ_i (p_ji − p̄_j)(p_ji − p̄_j)ᵀ
-
-    left : for each record j, the numbers p_ji without its group i, (n, …, g_j).
-    """
-    parts = []
-    for values in left:
-        off, groups = values - values.mean(axis=-1, keepdims=True), values.shape[-1]
-        parts.append((groups - 1) / groups * np.einsum("i...g,j...g->ij...", off, off))
-    covariance: Array = np.sum(parts, axis=0)
-    return covariance
-
-
-def covariance_of_rows(left: Sequence[Rows]) -> Array:
-    """Return the covariance of (g_1 … g_p, W) of rows by `jackknifed`, (p + 1, p + 1, L)."""
-    return jackknifed([np.stack([*rows.terms.values(), rows.W]) for rows in left])
-
-
-def read_samples(readings: Sequence[Reading]) -> Samples[Sample]:
-    """Return features of readings that share the waveforms of a joint fit (`with_common_fit`), as read and without
-    groups of rows, the waveforms of all records following."""
-    means, left = [reading.mean for reading in readings], []
-    for j, reading in enumerate(readings):
-        for others in (reading.left_out(), *reading.with_hidden_errors()):
-            each = [mean[[0] * len(others.Y)] for mean in means]
-            each[j] = others
-            left.append(sample_of(readings, each))
-    whole = sample_of(readings, means)
-    return Samples(replace(whole, features=whole.features[:, 0]), tuple(left))
-
-
-def sample_of(readings: Sequence[Reading], means: Sequence[Means]) -> Sample:
-    """Return features of n records from r means of each, (n, r)."""
-    moved = np.sum([r.moved(m) for r, m in zip(readings, means, strict=True)], axis=0)
-    features = stack([r.features_of(m, moved)[None] for r, m in zip(readings, means, strict=True)])
-    waveforms = [reading.waveform for reading in readings if reading.waveform is not None]
-    if not waveforms:
-        unknown = np.full(moved.shape[1], math.nan)
-        return Sample(features.replaced(**dict.fromkeys(_UNKNOWN, math.nan)), unknown, unknown)
-    # one friction force for each group of records
-    frictions = {waveform.at[FRICTION]: waveform.F_k for waveform in waveforms}
-    F_k = np.mean(list(frictions.values())) + moved[list(frictions)].mean(axis=0)
-    return Sample(features, F_k, waveforms[0].rho + moved[waveforms[0].at["rho"]])
-
-
-def microstick(samples: Samples[Sample]) -> Microstick:
-    """Return the length of the microstick line, and whether it stands out of its noise."""
-    F_k, rho = float(samples.point.F_k[0]), float(samples.point.rho[0])
-    left = [np.stack([s.rho, 2.0 * s.F_k * s.rho * np.abs(s.rho)]) for s in samples.left]
-    error, of_length = np.sqrt(np.diag(jackknifed(left))).tolist()
-    return Microstick(
-        length=2.0 * F_k * rho**2,
-        standard_error=of_length,
-        resolved=rho > NORMAL_95 * error,
-        bound=2.0 * F_k * (rho + NORMAL_95 * error) ** 2,
-    )

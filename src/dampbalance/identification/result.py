@@ -20,7 +20,7 @@ from ..records.record import Record
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
 from .law_comparison import LawComparison
 from .level import Column, Measured, damping_ratio
-from .sensitivities import FAULTS, Fault
+from .sensitivities import FAULTS, Fault, effects_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -60,11 +60,9 @@ class Basis(Protocol):
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the pictures of `outputs.PICTURES` by name, those that have something to show."""
 
-    def shifts(
-        self, found: Result[Any], faults: Mapping[str, Fault], name: str
-    ) -> dict[str, dict[str, float]]:
-        """Return the relative change of the numbers of the answer of that name with faults, to first order: fault →
-        symbol, "m" for the mass; empty where that is not known."""
+    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> Mapping[str, float]:
+        """Return the numbers of the answer of that name from the data with a fault, "m" for the mass; empty where they
+        are not known."""
 
 
 B = TypeVar("B", bound=Basis, covariant=True)
@@ -135,9 +133,8 @@ class Result(Generic[B]):
         return self.basis.pictures(self)
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """Return the relative change of the numbers of the answer of that name with faults, to first order: fault →
-        symbol, "m" for the mass; empty where that is not known."""
-        return self.basis.shifts(self, faults, name)
+        """Return the relative change of the numbers of the answer of that name with faults, see `effects_of`."""
+        return effects_of(self, faults, name)
 
     @cached_property
     def approaches(self) -> dict[str, Answer]:

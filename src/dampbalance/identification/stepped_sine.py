@@ -116,34 +116,16 @@ class SteppedBasis:
             levels.append(Level(name, X, omega, float(W[at]), float(friction[at])))
         return levels
 
-    def shifts(
-        self, found: Result[Any], faults: Mapping[str, Fault], name: str
-    ) -> dict[str, dict[str, float]]:
-        """Return the changes of an answer with faults: half the difference of the fits to lines with the fault and with
-        its opposite, whatever is given staying as it is. The force of a base that moves follows the stiffness."""
-        fit, omega = self.fits[name], self.lines.omega
-        given = fit.given
-
-        def of(fault: Fault, sign: float) -> dict[str, float]:
-            drive, X, k, m = (
-                1.0 + sign * e for e in (fault.drive, fault.response, fault.stiffness, fault.mass)
-            )
-            lag = np.exp(1j * sign * (fault.late * omega + fault.angle))
-            force = drive * np.where(self.by_base, k, 1.0)
-            return fit.changed(
-                force / X * lag,
-                X,
-                **{s: by * given[s] for s, by in (("k", k), ("m", m)) if s in given},
-            )
-
-        shifts = {}
-        for what, fault in faults.items():
-            less, more = of(fault, -1.0), of(fault, 1.0)
-            own = {
-                s: less[s] + more[s] for s in (*found.estimates[name].parameters, "m") if s in more
-            }
-            shifts[what] = {s: (more[s] - less[s]) / both for s, both in own.items() if both}
-        return shifts
+    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
+        """Return the numbers of an answer from lines with a fault, whatever is given staying as it is. The force of a
+        base that moves follows the stiffness."""
+        fit, lag = self.fits[name], fault.late * self.lines.omega + fault.angle
+        k, X = 1.0 + fault.stiffness, 1.0 + fault.response
+        force = (1.0 + fault.drive) * np.where(self.by_base, k, 1.0)
+        known = {"k": k, "m": 1.0 + fault.mass}
+        given = {s: known[s] * p for s, p in fit.given.items() if s in known}
+        values = fit.changed(force / X * np.exp(1j * lag), X, **given)
+        return {s: values[s] for s in (*found.estimates[name].parameters, "m") if s in values}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the energy lost per cycle and the in-phase stiffness over the amplitude, and the sliders."""

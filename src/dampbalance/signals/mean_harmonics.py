@@ -71,26 +71,23 @@ class Means:
         return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
 
     def changed(
-        self, drive: Array, response: Array, turn: Array, lever: Array, of_base: float = 0.0
+        self, drive: float, response: float, turn: float, lever: float, of_base: float = 0.0
     ) -> Means:
-        """Return one mean as r of them: base and response grown by the factors 1 + drive and 1 + response, the response
-        turned by `turn`, rad at the drive frequency, n times that at harmonic n; each (r,).
+        """Return the means of base and response times the factors `drive` and `response`, the response turned by
+        `turn`, rad at the drive frequency, n times that at harmonic n, to first order.
 
-        lever : growth of what the drive does, the motion of the base by itself staying as it is.
+        lever : factor of what the drive does, the motion of the base by itself staying as it is.
         of_base : how many times the fundamental of the base was added to what was measured of the response.
         """
         added = np.zeros_like(self.x)
         added[:, 0] = self.Y * of_base
-        driven = 1.0 + drive[:, None]
 
         def turned(x: Complexes, lowest: int) -> Complexes:
             n = lowest + 2 * np.arange(x.shape[1])
-            return x * (1.0 + response)[:, None] * np.exp(-1j * np.outer(turn, n))
+            return np.asarray(x * response * (1.0 - 1j * turn * n))
 
-        x = turned(self.x - added, 1) + added * driven
-        driven = driven * (1.0 + lever[:, None])
-        of_all = self.Y * driven[:, 0], x, turned(self.even, 2), self.base * driven
-        return Means(*of_all, np.broadcast_to(self.bias, turn.shape))
+        x, driven = turned(self.x - added, 1) + added * drive, drive * lever
+        return Means(self.Y * driven, x, turned(self.even, 2), self.base * driven, self.bias)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,8 @@ from scipy.optimize import brentq
 from ..arrays import Array
 from ..balance import TERMS
 from ..features import Features, of_numbers, of_orbit, side_by_side, stack, wrapped_phase
-from ..identification.oscillator import CommonFit, common_fit, sample_of, with_common_fit
+from ..identification.balance_rows import features_of
+from ..identification.oscillator import CommonFit, common_fit, with_common_fit
 from ..law.terms import of_harmonics
 from ..model import BaseMotion, Oscillator
 from ..motion.law_steady import Response, steady_response
@@ -228,7 +229,7 @@ def _with_one_oscillator(
         whole = common_fit([reading.lines for reading in readings], k, departures=False)
         shared = with_common_fit(readings, whole)
         means = [each.mean.followed_by(each.resampled(count, random)) for each in shared]
-        features = sample_of(shared, means).features
+        features = features_of(shared, means)
         if not whole.waveforms_hold:
             features = features.replaced(a=np.nan)
         parts = [features, *parts]
