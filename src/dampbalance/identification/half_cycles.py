@@ -101,7 +101,7 @@ class DecayRows:
 def rows_of(fit: DecayFit) -> DecayRows:
     """Return the rows of all decays of a fit, which gives them k, Z_m, the period and samples that are missing, and
     nothing else."""
-    forces = [float(fit.point_of(i)[0]) for i in range(len(fit.decays))]
+    forces = [fit.value(one.key("F_k")) for one in fit.decays]
     numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
     columns, decays, swings, turns = [np.empty((0, 3))], [], [], []
     for i, (one, F_k) in enumerate(zip(_without_gaps(fit), forces, strict=True)):
