@@ -227,7 +227,7 @@ def _grown(
             window = replace(problem, decays=tuple(cut))
         if window.samples >= _FEWEST_SAMPLES or length >= duration:
             ends = climbs(window.thinned(), points, math.inf)
-            points = [one.parameters for one in ends] or points
+            points = [problem.posed(one.parameters) for one in ends] or points
         if length >= duration:
             break
         length *= _GROWTH
@@ -238,7 +238,7 @@ def _grown(
     if fit is None or len(parts) > 1:
         return fit
     # another number of half cycles, or of those that friction takes, is another minimum
-    loss, here = fit.F_k + per_c * fit.c, fit.parameters
+    loss, here = fit.F_k + per_c * fit.c, problem.posed(fit.parameters)
     tried = itertools.product(_LOSSES, _FINER, [here["rho"].value, *contacts])
     more = [here.moved(**mixture(by * loss, share, rho)) for by, share, rho in tried]
     best = _best(problem, [here, *more])
