@@ -417,7 +417,7 @@ def _band_from_earliest(
         part = whole.cut(start, end)
         problem = replace(blank, decays=(part,), band=band).thinned()
         state = part.state(*swings.start_at(start).tolist())
-        starts = [problem.posed(point).freed("k_3").moved(**state) for point in points]
+        starts = [problem.posed(point.moved(**state)).freed("k_3") for point in points]
         if ends := climbs(problem, starts):
             fits.append(problem.fit(ends[0]))
             points = [ends[0].parameters]
