@@ -59,11 +59,9 @@ fall within the slowest tenth. Between two of them the motion hardly differs."""
 _FRICTION, _LEVEL = "F_k", "offset"
 _START = [DECAY_UNKNOWNS.index(name) for name in STATE[:2]]
 _SHARED = (*OSCILLATOR_UNKNOWNS, *FURTHER)
+_ANY = (-math.inf, math.inf)
 _OF_A_DECAY = (*DECAY_UNKNOWNS, CORNER)  # in the order of its motion
-_LOOSEST, _STIFFEST = (
-    1e-4,
-    1e5,
-)  # of K_z/k: contacts that stand for none and for a rigid one, to 1e-5 of F_k/k
+_LOOSEST, _STIFFEST = 1e-4, 1e5  # of K_z/k: for none, and for a rigid one to 1e-5 of F_k/k
 _AS_RIGID = 1e4  # of K_z/k: a higher limit is none, as on it a mass rings between samples
 _DAMPED = 2.0  # of c over √(km): a motion that still oscillates
 _MASS_RANGE = 10.0  # of the mass over that of the start, either way: three times the period
@@ -79,9 +77,7 @@ _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to 
 _FINE = np.arange(-30, 31) * 0.25  # cycles of ringing, a quarter of one from one to the next
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k: the motion of stiffer contacts depends on ρ², so that the slope by ρ vanishes
 _SMALL = 1e-3  # of √(km): damping that counts as none where a climb ends
-_SLOWEST = (
-    0.01  # of the largest speed: a friction that falls sooner has fallen in all samples but a few
-)
+_SLOWEST = 0.01  # of the largest speed: sooner, friction has fallen in all samples but a few
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,37 +220,29 @@ class DecayProblem:
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
         most = {"c_2": critical / v, "k_3": k / x**2, "falling": k * x, "falling_speed": v}
         most |= {"gradual": 1.0, CORNER: omega / (2.0 * math.pi)}
-        limits = {name: (0.0, largest) for name, largest in most.items()} | {
-            _FRICTION: (1e-3 * least, math.inf),
-            "c": (0.0, _DAMPED * critical),
-            "rho": (self.rigid, 1.0 / math.sqrt(_LOOSEST * k)),
-            "m": (max(m / _MASS_RANGE, min(light, m)), m * _MASS_RANGE),
-            "k_3": (-most["k_3"], most["k_3"]),
-            "falling_speed": (_SLOWEST * v, v),
-            "w": (0.0, 2.0),
+        ends = {name: (0.0, top, _SMALL * top) for name, top in most.items()} | {
+            "c": (0.0, _DAMPED * critical, _SMALL * critical),
+            "rho": (self.rigid, 1.0 / math.sqrt(_LOOSEST * k), 1e-3 * own["rho"]),
+            "m": (max(m / _MASS_RANGE, min(light, m)), m * _MASS_RANGE, m),
+            "k_3": (-most["k_3"], most["k_3"], _SMALL * most["k_3"]),
+            "falling_speed": (_SLOWEST * v, v, _SMALL * v),
+            "w": (0.0, 2.0, 1.0),
         }
-        scale = {name: _SMALL * largest for name, largest in most.items()}
-        scale |= {"c": _SMALL * critical, "rho": 1e-3 * own["rho"], "m": m}
         for one, size in zip(self.decays, sizes, strict=True):
             friction = one.key(_FRICTION)
-            scale[friction] = max(own[friction], least)
-            scale[one.key("x")], scale[one.key("v")] = size, size * omega
-            scale |= {offset_of(signal): signal.noise for signal in one.signals}
+            ends[friction] = 1e-3 * least, math.inf, max(own[friction], least)
+            ends[one.key("x")], ends[one.key("v")] = (*_ANY, size), (*_ANY, size * omega)
+            ends |= {offset_of(signal): (*_ANY, signal.noise) for signal in one.signals}
         moving = {name for name in free if name in _SHARED}
         moving |= {"x", "v", *["w"] * bool({_FRICTION, "rho"} & moving)}
         moving |= {_LEVEL} if self.band is None else set()
-        return Parameters.of(
-            Parameter(
-                name,
-                own[key],
-                *limits.get(name, (-math.inf, math.inf)),
-                name in moving,
-                scale.get(key, scale.get(name, 1.0)),
-                group,
-                _PRELOAD_ERROR if name == "w" else math.inf,
-            )
-            for key, (name, group) in unknowns.items()
-        )
+        rows = []
+        for key, (name, group) in unknowns.items():
+            low, high, scale = ends.get(key) or ends[name]
+            prior = _PRELOAD_ERROR if name == "w" else math.inf
+            row = Parameter(name, own[key], low, high, name in moving, scale, group, prior)
+            rows.append(row)
+        return Parameters.of(rows)
 
     def posed(self, as_in: Parameters) -> Parameters:
         """Return the unknowns with the values of those of another problem, and the same of them free."""
@@ -404,11 +392,6 @@ class DecayFit(OscillatorFit):
         return self.problem.columns(self.point)[:, -1]
 
     @property
-    def samples(self) -> int:
-        """Number of samples in all decays."""
-        return self.problem.samples
-
-    @property
     def _forces(self) -> Integers:
         return np.flatnonzero([name == _FRICTION for name in self.parameters.names])
 
@@ -478,27 +461,18 @@ class DecayFit(OscillatorFit):
         return [(*channels[j], r) for j, r in enumerate(np.split(self.residual, ends[:-1]))]
 
     @cached_property
-    def _parts(self) -> tuple[list[Array], list[int], int]:
-        """Residuals of the channels, samples in a part of a cycle there, and what the fit takes of their freedom."""
-        channels = self.residuals()
-        widths = [
-            max(2, round(self.decays[i].period / (_BINS_OF_A_CYCLE * signal.dt)))
-            for i, signal, _ in channels
-        ]
-        return [residual for *_, residual in channels], widths, int(self.parameters.free.sum())
-
-    @cached_property
-    def slow_chance(self) -> float:
-        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
-        return chance_of_averages(*self._parts)
-
-    @cached_property
     def chance(self) -> float:
-        """Probability that white noise leaves a residual as similar to a motion, slow or fast; 1 in the band of the
-        mode, where what lies outside is none of the fit's business."""
+        """Probability that white noise leaves a residual as similar to a motion, in averages over parts of a cycle,
+        down to two samples, or in lines; 1 in the band of the mode, where what lies outside is none of the fit's
+        business."""
         if self.problem.band is not None:
             return 1.0
-        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self._parts[0])))
+        channels = self.residuals()
+        cycles = (self.decays[i].period / signal.dt for i, signal, _ in channels)
+        widths = [max(2, round(cycle / _BINS_OF_A_CYCLE)) for cycle in cycles]
+        parts = [residual for *_, residual in channels]
+        slow = chance_of_averages(parts, widths, int(self.parameters.free.sum()))
+        return min(1.0, 2.0 * min(slow, chance_of_lines(parts)))
 
     @property
     def adequate(self) -> bool:

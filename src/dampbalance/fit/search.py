@@ -37,34 +37,18 @@ from .multistart import climb_on, climbs, likely, multistart, profile
 from .parameters import Parameters
 from .swings import SLOWER, Swings
 
-_FIRST_STIFFNESSES = (
-    4.0,
-    30.0,
-    300.0,
-)  # of K_z/k, from which a climb reaches any contact that shows
-_SHARES = (
-    0.1,
-    0.5,
-    0.9,
-)  # of friction in the loss of a swing, where the line through the swings misleads
-_LOSSES, _FINER = (
-    (0.85, 1.0, 1.15),
-    (0.05, 0.3, 0.55, 0.8, 0.98),
-)  # the same next to a fit that is not white
-_FIRST, _GROWTH = (
-    1.3,
-    1.7,
-)  # cycles that are fitted first: two turns and the way there; growth from one to the next
+_FIRST_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k: from there a climb reaches any that shows
+# Shares of friction in the loss of a swing, where the line through the swings misleads, and losses with shares next to
+# a fit.
+_SHARES = (0.1, 0.5, 0.9)
+_LOSSES, _FINER = (0.85, 1.0, 1.15), (0.05, 0.3, 0.55, 0.8, 0.98)
+# cycles that are fitted first: two turns and the way there; growth from one to the next
+_FIRST, _GROWTH = 1.3, 1.7
 _FEWEST_SAMPLES = 4 * (len(OSCILLATOR_UNKNOWNS) + len(STATE))  # samples of a decay
-_BACK, _MOST_BACK = (
-    24,
-    30,
-)  # steps of a cycle in which the start moves back; steps, more than a cycle
+_BACK, _MOST_BACK = 24, 30  # steps of a cycle in which the start moves back, and their number
 _PRELOADS = (0.0, 1.0, 2.0)  # w of a contact that yields either way, and of one that is slack
 _SEVERAL = 3  # steps back that are looked at together
-_SETTLED = (
-    1.25  # times the least mean square of the residual in the band: a start that disturbs nothing
-)
+_SETTLED = 1.25  # of the least mean square of the residual in the band: nothing is disturbed
 _LONG = 300  # cycles of a decay, of more of which excerpts are fitted
 _EXCERPTS, _EXCERPT = 8, 150  # their number, and the cycles of each at most
 _LATEST = 3.0  # cycles after the turn, to which a disturbance of the release may last
@@ -148,20 +132,16 @@ def _of_burst(
     fit = _grown([whole.cut(starts[0], whole.end)], swings, blank, surest) if starts else None
     if fit is None:
         return None
-    bent = fit if fit.white else with_one_more(fit)
-    if bent is not None and bent.white:
-        fit = without_spring(
-            with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
-        )
-    else:
+    wide = _whitened(fit)
+    if wide is None:
         fit = _band_from_earliest(whole, swings, starts, fit) or fit
         # from there all the band may be white after all
         unfiltered = replace(fit.problem, band=None)
-        wide = unfiltered.climb(unfiltered.posed(fit.parameters))
-        wide = wide if wide is None or wide.white else with_one_more(wide)
-        if wide is not None and wide.white:
-            fit = with_noise_of(_from_earlier(with_noise_of(wide), whole, burst.earliest))
-    if fit.samples < _FEWEST_SAMPLES:
+        wide = _whitened(unfiltered.climb(unfiltered.posed(fit.parameters)))
+    if wide is not None:
+        longer = with_noise_of(_from_earlier(with_noise_of(wide), whole, burst.earliest))
+        fit = without_spring(longer)
+    if fit.problem.samples < _FEWEST_SAMPLES:
         return None
     # else the swing was not that of a free motion
     return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _LEAST_SWING * burst.swing else None
@@ -179,11 +159,9 @@ def _of_excerpts(whole: Decay, swings: Swings, blank: DecayProblem) -> DecayFit 
         print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
     parts = [replace(one, whole=None, of_cycles=of_cycles) for one in parts]
     fit = _grown(parts, swings, blank)
-    if fit is None or fit.white:
-        return fit and with_noise_of(fit)
-    bent = with_one_more(fit)
-    if bent is not None and bent.white:
-        return with_noise_of(bent)
+    white = _whitened(fit)
+    if fit is None or white is not None:
+        return white and with_noise_of(white)
     # what is not white may have led it astray, to an early rest
     problem = replace(fit.problem, decays=tuple(parts))
     F_k, c, m = swings.oscillator(blank.k)
@@ -372,7 +350,8 @@ def _doubted(fits: Sequence[DecayFit], longer: DecayFit | None) -> int:
         return 1
     for count in (1, _SEVERAL):
         here = fits[-count:][0]
-        new, excess = longer.samples - here.samples, longer.chi_square - here.chi_square
+        new = longer.problem.samples - here.problem.samples
+        excess = longer.chi_square - here.chi_square
         if new > 0 and special.chdtrc(new, max(excess, 0.0)) < P_STEP_BACK:
             return count
     return 0
@@ -471,6 +450,12 @@ def with_one_more(fit: DecayFit) -> DecayFit | None:
     return None if best is None else fit.problem.climb(best.parameters)
 
 
+def _whitened(fit: DecayFit | None) -> DecayFit | None:
+    """Return the fit, or else that with one more coefficient, if its residual is white; None where it is not."""
+    more = fit if fit is None or fit.white else with_one_more(fit)
+    return more if more is not None and more.white else None
+
+
 def without_spring(fit: DecayFit) -> DecayFit:
     """Return the fit without k_3, unless that explains enough or is not free."""
     if "k_3" not in fit.further:
@@ -500,7 +485,7 @@ def fit_all(fits: Sequence[DecayFit]) -> tuple[DecayFit | None, list[Decay]]:
     whole = _of_all(fits)
     if whole is None or _same(whole, fits):
         return whole, []
-    order = sorted(fits, key=lambda fit: (-slips_of(fit), -fit.samples))
+    order = sorted(fits, key=lambda fit: (-slips_of(fit), -fit.problem.samples))
     kept = [fit for fit in order if slips_of(fit) > _MOST_HALF_CYCLES] or order[:1]
     here = _of_all(kept)
     for fit in order[len(kept) :]:
@@ -543,6 +528,6 @@ def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool) -> DecayF
     band = next((fit.problem.band for fit in fits if fit.problem.band is not None), None)
     problem = replace(fits[0].problem, decays=tuple(decays), band=band)
     free = {name for fit in fits for name in fit.free}
-    surest = sorted(fits, key=lambda fit: -fit.samples / (1.0 + fit.misfit))
+    surest = sorted(fits, key=lambda fit: -fit.problem.samples / (1.0 + fit.misfit))
     near = (one for fit in surest[:3] for one in (fit, *fit.minima))
     return _best(problem, [problem.parameters(known | one.shared, free) for one in near])
