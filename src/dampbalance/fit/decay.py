@@ -121,12 +121,12 @@ class Decay:
         signals = tuple(one.between(start, end) for one in self.signals)
         return replace(self, start=start, end=end, signals=signals, whole=self.whole or self)
 
-    def until(self, end: float) -> Decay:
-        """Return the decay up to a later time, s, at most the next release."""
+    def recut(self, start: float, end: float) -> Decay:
+        """Return the decay between two other times, s, up to the next release at most."""
         whole = self.whole or self
         pairs = zip(whole.signals, self.signals, strict=True)
         signals = tuple(replace(one, noise=own.noise) for one, own in pairs)
-        return replace(self, signals=signals).cut(self.start, min(end, whole.end))
+        return replace(self, signals=signals).cut(start, min(end, whole.end))
 
     def thinned(self, most: int = _THINNED) -> Decay:
         """Return the decay with every n-th sample, about 64 a cycle and no more than `most`."""
@@ -175,10 +175,14 @@ class DecayProblem:
         return {Parameter(name, 0.0, group=group).key: (name, group) for name, group in pairs}
 
     @cached_property
+    def _order(self) -> Mapping[str, int]:
+        return {key: i for i, key in enumerate(self._unknowns)}
+
+    @cached_property
     def _places(self) -> Integers:
         """Place of each of `_OF_A_DECAY` of each decay among the unknowns."""
-        place = {key: i for i, key in enumerate(self._unknowns)}
-        return np.array([[place[one.key(name)] for name in _OF_A_DECAY] for one in self.decays])
+        keys = [map(one.key, _OF_A_DECAY) for one in self.decays]
+        return np.array([[self._order[key] for key in of] for of in keys])
 
     @property
     def samples(self) -> int:
@@ -280,13 +284,12 @@ class DecayProblem:
         """Return derivatives of the residuals (model − sample)/σ by the unknowns, and these residuals, (samples, p +
         1), decay by decay, channel by channel; NaN where the contact rattles.   added : whether derivatives by
         `FURTHER` are wanted."""
-        place = {key: i for i, key in enumerate(self._unknowns)}
         count, blocks = len(DECAY_UNKNOWNS) if added else LINEAR_UNKNOWNS, []
         for one, at in zip(self.decays, self._places, strict=True):
             of = values[at]
             corner = float(of[-1])
             for signal in one.signals:
-                offset = place[offset_of(signal)]
+                offset = self._order[offset_of(signal)]
                 part = self._motion(of, signal.t - one.start, signal.order, count)
                 if added or corner:
                     part = ac_coupled(part, signal.dt, corner)
@@ -508,13 +511,11 @@ def with_noise_of(fit: DecayFit) -> DecayFit:
     for _, signal, residual in fit.residuals():
         total = sums.setdefault(signal.offset, np.zeros(2))
         total += float(residual @ residual) * signal.noise**2, residual.size
-    # each channel has its share of the freedom
-    lost = fit.freedom / problem.independent
-    per_sample = problem.independent / problem.samples
 
     def with_noise(signal: Signal) -> Signal:
         square, n = sums[signal.offset]
-        sigma = math.sqrt(square / (n * lost * per_sample))
+        # each channel has its share of the freedom
+        sigma = math.sqrt(square / (n * fit.freedom / problem.samples))
         return replace(signal, noise=max(sigma, least_noise(signal.values)))
 
     decays = [replace(one, signals=tuple(map(with_noise, one.signals))) for one in fit.decays]

@@ -139,7 +139,7 @@ def _of_burst(
         unfiltered = replace(fit.problem, band=None)
         wide = _whitened(unfiltered.climb(unfiltered.posed(fit.parameters)))
     if wide is not None:
-        longer = with_noise_of(_from_earlier(with_noise_of(wide), whole, burst.earliest))
+        longer = with_noise_of(_from_earlier(with_noise_of(wide), burst.earliest))
         fit = without_spring(longer)
     if fit.problem.samples < _FEWEST_SAMPLES:
         return None
@@ -242,9 +242,9 @@ def to_the_end(fit: DecayFit) -> DecayFit:
 
     def with_tail(i: int, length: float) -> Decay:
         one = first[i]
-        later = (other.start for other in first if other.source == one.source)
-        limits = (start for start in later if start > one.start)
-        return one.until(min(one.end + length * one.period, *limits, math.inf))
+        of_record = (other.start for other in first if other.source == one.source)
+        limits = (start for start in of_record if start > one.start)
+        return one.recut(one.start, min(one.end + length * one.period, *limits, math.inf))
 
     decays, length, shown = list(first), 1.0, 0.0
     growing = [
@@ -299,18 +299,14 @@ def _best(problem: DecayProblem, starts: Sequence[Parameters], scan: str = "") -
     return replace(fits[0], minima=tuple(fits[1:])) if fits else None
 
 
-def _from_earlier(fit: DecayFit, whole: Decay, earliest: float) -> DecayFit:
+def _from_earlier(fit: DecayFit, earliest: float) -> DecayFit:
     """Return the fit with the start moved back for as long as the samples follow the motion."""
-    problem = fit.problem
-    (one,) = problem.decays
-    sigma = {signal.offset: signal.noise for signal in one.signals}
-    signals = tuple(replace(signal, noise=sigma[signal.offset]) for signal in whole.signals)
-    whole = replace(whole, signals=signals)
+    (one,) = fit.decays
     step = one.period / _BACK
-    earliest -= 0.5 * min(signal.dt for signal in whole.signals)
+    earliest -= 0.5 * min(signal.dt for signal in one.signals)
     # the same samples for all starts
-    thin = whole.cut(max(earliest, one.start - _MOST_BACK * step), one.end).thinned()
-    here = replace(problem, decays=(thin.cut(one.start, one.end),))
+    thin = one.recut(max(earliest, one.start - _MOST_BACK * step), one.end).thinned()
+    here = replace(fit.problem, decays=(thin.cut(one.start, one.end),))
     fits = [*filter(None, [here.climb(fit.parameters, gain=_ROUGH)])]
     start = one.start - step
     while fits and start >= thin.start:
@@ -323,7 +319,7 @@ def _from_earlier(fit: DecayFit, whole: Decay, earliest: float) -> DecayFit:
         start -= step
     if len(fits) < 2:
         return fit
-    last = replace(problem, decays=(whole.cut(fits[-1].decays[0].start, one.end),))
+    last = replace(here, decays=(one.recut(fits[-1].decays[0].start, one.end),))
     starts = [fits[-1].parameters, *_preloaded(fits[-1].parameters, one)]
     return _best(last, starts, "rho") or fit
 
