@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from dampbalance import Oscillator, transient
-from dampbalance.fit.decay import COMMON, Decay, DecayFit, DecayProblem
+from dampbalance.fit.decay import STATE, Decay, DecayFit, DecayProblem
+from dampbalance.fit.parameters import Parameters
+from dampbalance.motion.unknowns import OSCILLATOR_UNKNOWNS
 from dampbalance.signals.bursts import Signal
 
 
@@ -30,15 +31,16 @@ def decay_of(
     return Decay("", 0.0, float(t[-1]), (signal,), 2.0 * math.pi * math.sqrt(m / k))
 
 
-def point_of(point: np.ndarray) -> np.ndarray:
-    """The unknowns F_k, c, ρ, m, offsets and start states as a fit takes them, without further terms."""
-    return np.insert(point, 4, np.zeros(len(COMMON) - 4))
+def start_of(problem: DecayProblem, point: np.ndarray, held: str = "") -> Parameters:
+    """F_k, c, ρ, m, offset and start state of a decay as a fit takes them.   held : one that keeps its value."""
+    free = [name for name in OSCILLATOR_UNKNOWNS if name != held]
+    values = dict(zip((*OSCILLATOR_UNKNOWNS, "offset", *STATE), point.tolist(), strict=True))
+    return problem.parameters(values, free)
 
 
 def fitted(decay: Decay, k: float, point: np.ndarray, held: str = "", most: int = 30) -> DecayFit:
-    """The fit in which a climb from some unknowns ends.   held : name of one that keeps its value."""
+    """The fit in which a climb from some unknowns ends, see `start_of`."""
     problem = DecayProblem((decay,), k)
-    free = tuple(name for name in problem.free if name != held)
-    fit = replace(problem, free=free).climb(point_of(point), most=most)
+    fit = problem.climb(start_of(problem, point, held), most=most)
     assert fit is not None
     return fit

@@ -12,13 +12,13 @@ import pytest
 from scipy.linalg import expm
 
 from blind.decays import draw, record
-from dampbalance.fit.decay import Decay, DecayFit
-from dampbalance.fit.minimise import minimise
+from dampbalance.fit.decay import Decay, DecayFit, DecayProblem
+from dampbalance.fit.multistart import multistart
 from dampbalance.fit.search import _before, in_the_band, to_the_end
 from dampbalance.fit.swings import Swings
 from dampbalance.identification.decays import identify_decay_records
 from dampbalance.signals.bursts import Burst
-from fit.exact import decay_of, fitted
+from fit.exact import decay_of, fitted, start_of
 
 M, K, F_K, START = 2.0, 800.0, 0.4, 5e-3
 PERIOD = 2.0 * math.pi * math.sqrt(M / K)
@@ -54,7 +54,8 @@ def test_a_side_minimum_is_left_for_the_lowest(made, wrong):
     side = fitted(whole, K, wrong(point, truth))
     assert not side.adequate  # a climb alone ends there
     assert side.chi_square > truth.chi_square + 100.0
-    assert minimise(side.problem, [side.point])[0].chi_square < truth.chi_square + 0.1
+    (lowest, *_) = multistart(side.problem, [side.parameters], scan="rho")
+    assert lowest.chi_square < truth.chi_square + 0.1
 
 
 def test_a_period_that_the_spectrum_doubled_does_not_hold_the_mass():
@@ -73,12 +74,12 @@ def test_an_interval_ends_where_chi_square_has_risen_by_that_of_its_probability(
     whole, point = decay(3e-3)
     fit = fitted(whole, K, point)
     for name in ("F_k", "c", "rho"):
-        j = fit.names.index(name)
+        j = fit.parameters.places[name]
         for end in fit.interval(name):
             start = fit.point + fit.covariance[:, j] * ((end - fit.point[j]) / fit.covariance[j, j])
             start[j] = end
-            held = replace(fit.problem, free=tuple(s for s in fit.problem.free if s != name))
-            rise = held.climb(start).chi_square - fit.chi_square
+            held = fit.parameters.held(name).at(start)
+            rise = fit.problem.climb(held).chi_square - fit.chi_square
             # χ² is no parabola; a kink of it lies where an event passes a sample
             assert rise == pytest.approx(LEVEL, rel=0.2)
 
@@ -86,19 +87,18 @@ def test_an_interval_ends_where_chi_square_has_risen_by_that_of_its_probability(
 def test_an_interval_covers_all_minima_that_are_as_good():
     whole, point = decay(1e-3)
     best = fitted(whole, K, point)
-    moved = best.point.copy()
-    moved[2] *= 1.1
+    moved = best.parameters.moved(rho=1.1 * best.rho)
 
     def raised(by: float) -> DecayFit:
         """The fit with another minimum, so much higher."""
-        other = replace(best, point=moved, chi_square=best.chi_square + by)
+        other = replace(best, parameters=moved, chi_square=best.chi_square + by)
         return replace(best, minima=(other,))
 
     alone, near = (raised(by).interval("rho") for by in (12.0, 1.0))
     assert alone == best.interval("rho")
     assert near[0] == alone[0]
     reach = math.sqrt(LEVEL - 1.0) * best.error("rho")
-    assert near[1] == pytest.approx(moved[2] + reach, rel=1e-3)
+    assert near[1] == pytest.approx(1.1 * best.rho + reach, rel=1e-3)
 
 
 @pytest.mark.parametrize("index", [2, 14])
@@ -108,12 +108,10 @@ def test_an_interval_holds_every_contact_that_explains_the_decay_as_well(index):
     noisy = replace(drawn, answers=("velocity",), noise=0.05)
     fit = identify_decay_records([record(noisy, index)[0]], noisy.k).basis.fit
     low, high = fit.K_z_interval
-    held = replace(fit.problem, free=tuple(s for s in fit.problem.free if s != "rho"))
     likely = []
     for stiffness in noisy.K_z * np.geomspace(0.25, 4.0, 9):
-        start = fit.point.copy()
-        start[:4] = noisy.F_k, noisy.c, stiffness**-0.5, noisy.m
-        end = held.climb(start)
+        truth = {"F_k": noisy.F_k, "c": noisy.c, "rho": stiffness**-0.5, "m": noisy.m}
+        end = fit.problem.climb(fit.parameters.moved(**truth).held("rho"))
         if end is not None and end.chi_square < fit.chi_square + 0.7 * LEVEL:
             likely.append(stiffness)
     assert likely
@@ -127,7 +125,9 @@ def test_the_state_a_step_earlier_is_that_of_the_damped_motion():
     c, step, now = 30.0, 2.0 * HALF / 24.0, np.array([1e-3, 0.05])
     rest = np.array([-F_K / K, 0.0])
     exact = rest + expm(-step * np.array([[0.0, 1.0], [-K / M, -c / M]])) @ (now - rest)
-    x, v, w = _before(np.array([F_K, c, 1e-6, M, 0.0, *now, 2.0]), K, step)[-3:]
+    whole, _ = decay(1e-3)
+    start = start_of(DecayProblem((whole,), K), np.array([F_K, c, 1e-6, M, 0.0, *now, 2.0]))
+    x, v, w = _before(start, whole, K, step).values[-3:]
     # of second order; 16 steps of (ωh, hc/m) = (0.016, 0.012) leave 1.3e-3
     assert [x, v] == pytest.approx(exact, rel=3e-3)
     assert w == 2.0
@@ -189,7 +189,9 @@ def test_the_ringing_of_the_mass_at_rest_tells_the_contact():
 def test_a_hand_that_catches_the_ringing_mass_ends_its_decay(cycles):
     """The ringing that is missing would look like damping; the first fit ends after 3.44 cycles."""
     fit, longer = with_what_follows(0.01, cycles * PERIOD)
-    disturbed = replace(fit.problem, decays=(fit.decays[0].until(math.inf),)).climb(fit.point)
+    disturbed = replace(fit.problem, decays=(fit.decays[0].recut(0.0, math.inf),)).climb(
+        fit.parameters
+    )
     assert disturbed.c - 0.3 > 6.0 * disturbed.error("c")
     assert longer.decays[0].end < cycles * PERIOD
     for name, truth in zip(

@@ -28,7 +28,7 @@ from dampbalance.records.writers import write
 from dampbalance.signals.bursts import Signal
 from dampbalance.signals.cycles import clipped, flat_tops
 from dampbalance.signals.mean_harmonics import read_features
-from fit.exact import fitted, point_of
+from fit.exact import fitted, start_of
 from identification.levels import SYMBOLS, changed
 from identification.levels import clipped as cut
 from identification.releases import FAR, PLUCKED, struck
@@ -193,9 +193,9 @@ def test_releases_of_one_record_may_scatter():
     values += 2e-5 * np.random.default_rng(0).standard_normal(values.size)
     channel = Channel("displacement", np.arange(values.size) / PLUCKED.rate_hz, values)
     fit = identify_decay_records([Record.of("three", [channel])], PLUCKED.k).basis.fit
-    for i, (force, F_k) in enumerate(zip(fit.frictions, frictions, strict=True)):
-        place = fit.friction_places[i]
-        assert abs(force - F_k) < FAR * math.sqrt(fit.covariance[place, place])
+    for one, F_k in zip(fit.decays, frictions, strict=True):
+        force = one.key("F_k")
+        assert abs(fit.value(force) - F_k) < FAR * fit.error(force)
 
 
 def test_releases_that_share_a_friction_force_have_one():
@@ -207,7 +207,8 @@ def test_releases_that_share_a_friction_force_have_one():
 
 def test_derivatives_by_friction_forces_are_those_of_the_samples(scattering):
     fit = scattering.basis.fit
-    for j in fit.friction_places:
+    for key in [one.key("F_k") for one in fit.decays]:
+        j = fit.parameters.places[key]
         step = 1e-6 * fit.point[j]
         either = []
         for side in (step, -step):
@@ -216,7 +217,9 @@ def test_derivatives_by_friction_forces_are_those_of_the_samples(scattering):
             either.append(fit.problem.columns(point)[:, -1])
         slope = (either[0] - either[1]) / (2.0 * step)
         # central differences of exact motions
-        np.testing.assert_allclose(fit.jacobian[:, j], slope, atol=1e-5 * np.abs(slope).max())
+        np.testing.assert_allclose(
+            fit.problem.columns(fit.point)[:, j], slope, atol=1e-5 * np.abs(slope).max()
+        )
 
 
 # the middle of the pulse was taken for a turn where it lay within half a window of smoothing of the first sample
@@ -437,7 +440,7 @@ def test_a_climb_may_start_without_friction():
     osc = OSCILLATOR
     start = np.array([0.0, 3.0, osc.K_z**-0.5, osc.m, 0.0, 0.005, 0.0, 1.0])
     problem = DecayProblem((Decay("a", 0.0, 0.8, (signal,), 0.3),), osc.k)
-    fit = problem.climb(point_of(start))
+    fit = problem.climb(start_of(problem, start))
     assert fit is None or np.isfinite(fit.point).all()
 
 

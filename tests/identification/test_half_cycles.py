@@ -45,16 +45,18 @@ def friction_decay(t: np.ndarray, halves: int) -> tuple[np.ndarray, np.ndarray]:
 
 def check_of(decays, par, F_k, c):
     """Rows of decays, with a fit that is given by hand."""
-    return rows_of(fit_of(par, decays, lambda _: np.array([F_k, c])))
+    return rows_of(fit_of(par, decays, [F_k] * len(decays)))
 
 
-def fit_of(par, decays, point_of):
+def fit_of(par, decays, forces):
     """A fit as the balance asks for it, given by hand: its decays end with their samples."""
+    decays = [replace(one, friction=f"{F_k}") for one, F_k in zip(decays, forces, strict=True)]
+    values = {one.key("F_k"): F_k for one, F_k in zip(decays, forces, strict=True)}
     return SimpleNamespace(
         k=par.k,
         K_z=par.K_z,
         decays=decays,
-        point_of=point_of,
+        value=values.__getitem__,
         at_rest=lambda _: math.inf,
         problem=SimpleNamespace(pendulum=False),
     )
@@ -178,7 +180,7 @@ def test_friction_forces_of_several_decays_are_separate():
         par = replace(PLUCKED, F_k=F_k, noise=0.001)
         motion, (start,) = clean(par)
         decays.append(noisy(par, motion, 0, 3, start, 0))
-    rows = rows_of(fit_of(PLUCKED, decays, lambda i: np.array([forces[i]])))
+    rows = rows_of(fit_of(PLUCKED, decays, forces))
     assert np.unique(rows.friction).tolist() == [0, 1]
     assert rows.friction.tolist() == rows.decay.tolist()
     number = balanced(rows).estimates["F_k"]

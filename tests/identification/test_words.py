@@ -129,7 +129,7 @@ def test_what_is_said_of_free_decays(decay):
 def test_a_law_that_would_change_the_numbers_of_a_decay_is_said_in_words(decay, size, sign):
     """Whatever a score test gives: a change of nearly nothing, or of a hundred times, has no percentage."""
     fit = decay.basis.fit
-    slopes = {name: sign * size * fit.value(name) for name in fit.names if fit.error(name) > 0.0}
+    slopes = {s: sign * size * by for s, by in fit.shared.items() if fit.error(s) > 0.0}
     further = Departure("c_2", 1.0, 1e-3, 1e-9, slopes)
     found, _ = condition_of(fit, [further])
     assert slips(" ".join(sentence(one, TRANSLATION) for one in found)) == []

@@ -15,14 +15,13 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import curve_fit
 from scipy.signal import find_peaks, savgol_filter
 
-from dampbalance.fit.decay import STATE, DecayFit
+from dampbalance.fit.decay import DecayFit
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_decay_records
 from dampbalance.records.record import Record
@@ -131,14 +130,14 @@ def above_the_optimum(fit: DecayFit, decay: Decay) -> float:
     """Return χ² of a fit above the lowest that climbs from the truth reach, on the same samples with the same noise."""
     problem, ends = fit.problem, []
     for load in (None, 0.0, 1.0, 2.0):
-        start = fit.point.copy()
-        start[:4] = decay.F_k, decay.c, decay.K_z**-0.5, decay.m
-        start[problem.friction_places] = decay.F_k
-        if load is not None:
-            start[start.size - STATE * len(fit.decays) + 2 :: STATE] = load
-        states = replace(problem, free=()).climb(start)
-        for point in (start, *([] if states is None else [states.point])):
-            end = problem.climb(point, most=60)
+        truth = {"c": decay.c, "rho": decay.K_z**-0.5, "m": decay.m}
+        truth |= {one.key("F_k"): decay.F_k for one in fit.decays}
+        loads = [one.key("w") for one in fit.decays]
+        truth |= {} if load is None else dict.fromkeys(loads, load)
+        start = fit.parameters.moved(**truth)
+        states = problem.climb(start.held(*truth, *loads))
+        for point in (start.values, *([] if states is None else [states.point])):
+            end = problem.climb(start.at(point), most=60)
             ends += [] if end is None else [end.chi_square]
     return fit.chi_square - min(ends, default=math.nan)
 

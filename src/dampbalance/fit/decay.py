@@ -5,7 +5,7 @@ From the start of a decay on, the base being at rest, the mass follows
     m ẍ + c ẋ + k x + f + (further terms) = 0,   ḟ = K_z ẋ within |f| ≤ F_k
 
 with x counted from the rest position of the spring (`motion.law_decays`); a pendulum has k sin x. c, ρ = K_z^{−1/2}
-and m are common to all decays, and so is F_k unless decays are numbered as having friction forces of their own: F_k is
+and m are common to all decays, and so is F_k unless groups of decays have friction forces of their own: F_k is
 then their mean. Further terms are zero unless they are freed: another law is the same problem with other free unknowns.
 Each channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each
 decay has its start state (x, ẋ, w), f = (w − 1) F_k with 0 ≤ w ≤ 2. The stiffness k is given.
@@ -17,17 +17,17 @@ model: what lies outside says nothing of F_k and c. Samples at the ends of a con
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array, Mask
-from ..model import Parameters
+from ..arrays import Array, Integers, Mask
+from ..model import Parameters as Numbers
 from ..motion.events import PHASE_S, PHASE_T
 from ..motion.law_decays import ADDED, DECAY_UNKNOWNS, LINEAR_UNKNOWNS, law_decay
-from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
+from ..motion.unknowns import OSCILLATOR_UNKNOWNS, RHO, M
 from ..signals.band import NOISE_PASSED, Band, filtered
 from ..signals.band import freedom as freedom_in_band
 from ..signals.bursts import Signal, least_noise
@@ -35,9 +35,11 @@ from ..signals.coupling import ac_coupled, ac_start
 from ..signals.thresholds import P_OF_THE_MODEL
 from ..signals.whiteness import chance_of_averages, chance_of_lines, excess_over_noise
 from ..solver import NORMAL_95
-from .climb import GAIN, MOST_EVALUATIONS, Climb, ClimbBounds
-from .minimise import climb_on, inverse_information
-from .oscillator_fit import NamedFit
+from .climb import GAIN, MOST_EVALUATIONS, Climb
+from .errors import inverse_information
+from .fit import OscillatorFit
+from .multistart import Trail, climb_on
+from .parameters import Parameter, Parameters
 from .scattering_mean import ScatteringMean
 from .score import Departure, departures_from
 
@@ -47,20 +49,19 @@ CORNER = "corner"
 FURTHER = (*ADDED, CORNER)
 """The unknowns that are zero unless they are freed; a speed over which friction falls stands ready."""
 
-COMMON = (*OSCILLATOR_UNKNOWNS, *FURTHER)
-"""The unknowns that all decays share, first in every point."""
+STATE = ("x", "v", "w")
+"""The unknowns of a start state: x, ẋ and the preload w."""
 
 FALLS = (0.1, 0.03, 0.3)
 """Speeds over which friction falls, relative to the largest one, that a search tries: bearings and slides are said to
 fall within the slowest tenth. Between two of them the motion hardly differs."""
 
-STATE = 3
-"""Number of unknowns of a start state: x, ẋ and the preload w."""
-
-_LOOSEST, _STIFFEST = (
-    1e-4,
-    1e5,
-)  # of K_z/k: contacts that stand for none and for a rigid one, to 1e-5 of F_k/k
+_FRICTION, _LEVEL = "F_k", "offset"
+_START = [DECAY_UNKNOWNS.index(name) for name in STATE[:2]]
+_SHARED = (*OSCILLATOR_UNKNOWNS, *FURTHER)
+_ANY = (-math.inf, math.inf)
+_OF_A_DECAY = (*DECAY_UNKNOWNS, CORNER)  # in the order of its motion
+_LOOSEST, _STIFFEST = 1e-4, 1e5  # of K_z/k: for none, and for a rigid one to 1e-5 of F_k/k
 _AS_RIGID = 1e4  # of K_z/k: a higher limit is none, as on it a mass rings between samples
 _DAMPED = 2.0  # of c over √(km): a motion that still oscillates
 _MASS_RANGE = 10.0  # of the mass over that of the start, either way: three times the period
@@ -76,9 +77,7 @@ _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to 
 _FINE = np.arange(-30, 31) * 0.25  # cycles of ringing, a quarter of one from one to the next
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k: the motion of stiffer contacts depends on ρ², so that the slope by ρ vanishes
 _SMALL = 1e-3  # of √(km): damping that counts as none where a climb ends
-_SLOWEST = (
-    0.01  # of the largest speed: a friction that falls sooner has fallen in all samples but a few
-)
+_SLOWEST = 0.01  # of the largest speed: sooner, friction has fallen in all samples but a few
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +85,9 @@ class Decay:
     """The samples of one free decay.
 
     source : of its record.   start, end : s.   signals : its channels, cut to the decay.   period : of the motion, s,
-    about.   friction : number of its friction force, 0 for the first, which all decays share by default.   whole : the
-    decay with all samples of its record, of which this one is a part, up to the next release.   of_cycles : cycles of
-    the long decay of which this is an excerpt, 0 for none.
+    about.   friction : group of its friction force; empty where all decays share one.   whole : the decay with all
+    samples of its record, of which this one is a part, up to the next release.   of_cycles : cycles of the long decay
+    of which this is an excerpt, 0 for none.
     """
 
     source: str
@@ -96,21 +95,38 @@ class Decay:
     end: float
     signals: tuple[Signal, ...]
     period: float
-    friction: int = 0
+    friction: str = ""
     whole: Decay | None = None
     of_cycles: int = 0
+
+    @property
+    def label(self) -> str:
+        """Group of its start state, whichever part of the decay this is."""
+        return f"{channel_of(self.signals[0])}, {(self.whole or self).start:.9g} s"
+
+    def key(self, name: str) -> str:
+        """Return the key of an unknown of this decay."""
+        return Parameter(name, 0.0, group=self.group(name)).key
+
+    def group(self, name: str) -> str:
+        """Return the group that has an unknown of this decay."""
+        return self.label if name in STATE else self.friction if name == _FRICTION else ""
+
+    def state(self, x: float, v: float, w: float) -> dict[str, float]:
+        """Return a start state by key."""
+        return dict(zip(map(self.key, STATE), (x, v, w), strict=True))
 
     def cut(self, start: float, end: float) -> Decay:
         """Return the part of the decay between two times, s."""
         signals = tuple(one.between(start, end) for one in self.signals)
         return replace(self, start=start, end=end, signals=signals, whole=self.whole or self)
 
-    def until(self, end: float) -> Decay:
-        """Return the decay up to a later time, s, at most the next release."""
+    def recut(self, start: float, end: float) -> Decay:
+        """Return the decay between two other times, s, up to the next release at most."""
         whole = self.whole or self
         pairs = zip(whole.signals, self.signals, strict=True)
         signals = tuple(replace(one, noise=own.noise) for one, own in pairs)
-        return replace(self, signals=signals).cut(self.start, min(end, whole.end))
+        return replace(self, signals=signals).cut(start, min(end, whole.end))
 
     def thinned(self, most: int = _THINNED) -> Decay:
         """Return the decay with every n-th sample, about 64 a cycle and no more than `most`."""
@@ -126,31 +142,47 @@ class Decay:
         return sum(one.t.size for one in self.signals)
 
 
+def channel_of(signal: Signal) -> str:
+    """Return the group of the offset of a channel."""
+    return f"channel {signal.offset + 1}"
+
+
+def offset_of(signal: Signal) -> str:
+    """Return the key of the offset of a channel."""
+    return Parameter(_LEVEL, 0.0, group=channel_of(signal)).key
+
+
 @dataclass(frozen=True, eq=False)
 class DecayProblem:
-    """The samples of decays, and which unknowns of the oscillator are to be found.
+    """The samples of decays of one oscillator.
 
-    k : N/m.   band : in which the decays are fitted; None for all of it.   free : names of the common unknowns that
-    move.   pendulum : whether the restoring torque is k sin x.
+    k : N/m.   band : in which the decays are fitted; None for all of it.   pendulum : whether the restoring torque is
+    k sin x.
     """
 
     decays: tuple[Decay, ...]
     k: float
     band: Band | None = None
-    free: tuple[str, ...] = OSCILLATOR_UNKNOWNS
-    names: tuple[str, ...] = COMMON
     pendulum: bool = False
 
-    @property
-    def offsets(self) -> int:
-        """Number of channels of all records."""
-        return 1 + max(signal.offset for one in self.decays for signal in one.signals)
+    @cached_property
+    def _unknowns(self) -> Mapping[str, tuple[str, str]]:
+        """Name and group of each unknown by its key, in their order."""
+        channels = (channel_of(signal) for one in self.decays for signal in one.signals)
+        pairs = [(name, one.group(name)) for name in _SHARED for one in self.decays]
+        pairs += [(_LEVEL, channel) for channel in channels]
+        pairs += [(name, one.label) for one in self.decays for name in STATE]
+        return {Parameter(name, 0.0, group=group).key: (name, group) for name, group in pairs}
 
-    @property
-    def size(self) -> int:
-        """Number of all unknowns."""
-        frictions = max(one.friction for one in self.decays)
-        return len(COMMON) + self.offsets + frictions + STATE * len(self.decays)
+    @cached_property
+    def _order(self) -> Mapping[str, int]:
+        return {key: i for i, key in enumerate(self._unknowns)}
+
+    @cached_property
+    def _places(self) -> Integers:
+        """Place of each of `_OF_A_DECAY` of each decay among the unknowns."""
+        keys = [map(one.key, _OF_A_DECAY) for one in self.decays]
+        return np.array([[self._order[key] for key in of] for of in keys])
 
     @property
     def samples(self) -> int:
@@ -162,190 +194,147 @@ class DecayProblem:
         """The ρ that stands for a rigid contact."""
         return 1.0 / math.sqrt(_STIFFEST * self.k)
 
-    @property
-    def friction_places(self) -> list[int]:
-        """Place of the friction force of each decay in the point: F_k, or one before the start states."""
-        first = len(COMMON) + self.offsets - 1
-        return [first + one.friction if one.friction else F_K for one in self.decays]
-
-    def places(self, i: int) -> slice:
-        """Return places of the start state x, ẋ, w of decay i in the point."""
-        first = self.size - STATE * (len(self.decays) - i)
-        return slice(first, first + STATE)
-
-    def is_free(self, name: str) -> bool:
-        """Return whether a common unknown is to be found."""
-        return name in self.free
-
     def thinned(self) -> DecayProblem:
         """Return the problem with as many samples as a search needs."""
         most = _THINNED // len(self.decays)
         return replace(self, decays=tuple(one.thinned(most) for one in self.decays))
 
-    def with_free(self, *names: str) -> DecayProblem:
-        """Return the problem with further unknowns free."""
-        return replace(self, free=(*self.free, *(s for s in names if s not in self.free)))
+    def parameters(
+        self, values: Mapping[str, float], free: Iterable[str] = OSCILLATOR_UNKNOWNS
+    ) -> Parameters:
+        """Return the unknowns from values by key or by name, zero without one, and their limits about these: F_k, c,
+        damping that grows with the speed and friction that falls with it are not negative.
 
-    def point(self, common: Array, offsets: Array, states: Iterable[Array]) -> Array:
-        """Return the point of an oscillator (F_k, c, ρ, m, …), offsets and start states, without further terms."""
-        point = np.zeros(self.size)
-        point[: common.size] = common
-        point[len(COMMON) : len(COMMON) + offsets.size] = offsets
-        point[len(COMMON) + self.offsets : self.size - STATE * len(self.decays)] = common[F_K]
-        point[self.size - STATE * len(self.decays) :] = np.concatenate([*states])
-        given = point[COMMON.index("falling_speed")] > 0.0
-        return point if given else self.falling_over(point, FALLS[0])
+        free : names of those that a fit moves, of all that decays share. Start states and offsets always move, but for
+        the offsets in the band of the mode, which has none, and the preload of a contact that nothing tells.
+        """
+        k, unknowns = self.k, self._unknowns
+        own = {key: values.get(key, values.get(name, 0.0)) for key, (name, _) in unknowns.items()}
+        m, first = own["m"], np.array([*own.values()])
+        own["falling_speed"] = own["falling_speed"] or FALLS[0] * self.speed(first)
+        critical, omega = math.sqrt(k * m), math.sqrt(k / m)
+        # with no contact at all, a mass this light is critically damped, even if the period is that of two turns
+        light = k * (min(one.period for one in self.decays) / (8.0 * math.pi)) ** 2
+        places, speeds = np.abs(first[self._places[:, _START]].T)
+        sizes = np.maximum(np.maximum(places, speeds / omega), 1e-300).tolist()
+        x = max(sizes)
+        v = x * omega
+        # an earlier climb may have left no friction
+        least = _UNNOTICED * k * x
+        # as much as a critical damper, or the spring itself: no motion that oscillates has more
+        most = {"c_2": critical / v, "k_3": k / x**2, "falling": k * x, "falling_speed": v}
+        most |= {"gradual": 1.0, CORNER: omega / (2.0 * math.pi)}
+        ends = {name: (0.0, top, _SMALL * top) for name, top in most.items()} | {
+            "c": (0.0, _DAMPED * critical, _SMALL * critical),
+            "rho": (self.rigid, 1.0 / math.sqrt(_LOOSEST * k), 1e-3 * own["rho"]),
+            "m": (max(m / _MASS_RANGE, min(light, m)), m * _MASS_RANGE, m),
+            "k_3": (-most["k_3"], most["k_3"], _SMALL * most["k_3"]),
+            "falling_speed": (_SLOWEST * v, v, _SMALL * v),
+            "w": (0.0, 2.0, 1.0),
+        }
+        for one, size in zip(self.decays, sizes, strict=True):
+            friction = one.key(_FRICTION)
+            ends[friction] = 1e-3 * least, math.inf, max(own[friction], least)
+            ends[one.key("x")], ends[one.key("v")] = (*_ANY, size), (*_ANY, size * omega)
+            ends |= {offset_of(signal): (*_ANY, signal.noise) for signal in one.signals}
+        moving = {name for name in free if name in _SHARED}
+        moving |= {"x", "v", *["w"] * bool({_FRICTION, "rho"} & moving)}
+        moving |= {_LEVEL} if self.band is None else set()
+        rows = []
+        for key, (name, group) in unknowns.items():
+            low, high, scale = ends.get(key) or ends[name]
+            prior = _PRELOAD_ERROR if name == "w" else math.inf
+            row = Parameter(name, own[key], low, high, name in moving, scale, group, prior)
+            rows.append(row)
+        return Parameters.of(rows)
 
-    def falling_over(self, point: Array, part: float) -> Array:
-        """Return the point with a part of the largest speed of the decays as that over which friction falls."""
-        states = point[point.size - STATE * len(self.decays) :].reshape(-1, STATE)
-        top = np.hypot(states[:, 0] * math.sqrt(self.k / point[M]), states[:, 1]).max()
-        moved = point.copy()
-        moved[COMMON.index("falling_speed")] = part * top
-        return moved
+    def posed(self, as_in: Parameters) -> Parameters:
+        """Return the unknowns with the values of those of another problem, and the same of them free."""
+        free = (one.name for one in as_in if one.free)
+        return self.parameters(as_in.by_key, free)
+
+    def speed(self, values: Array) -> float:
+        """Return the largest speed of the decays, about, m/s."""
+        omega = math.sqrt(self.k / values[self._places[0, M]])
+        x, v = values[self._places[:, _START]].T
+        return float(np.hypot(omega * x, v).max())
 
     def _motion(
-        self,
-        point: Array,
-        i: int,
-        times: Array,
-        order: int,
-        count: int,
-        phases: Array = _NO_PHASES,
+        self, of: Array, times: Array, order: int, count: int, phases: Array = _NO_PHASES
     ) -> Array:
-        """Return what `law_decay` does of decay i at times from its start on.   count : of the derivatives."""
-        _, c, rho, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
-        x, v, w = point[self.places(i)].tolist()
-        F_k, gravity = float(point[self.friction_places[i]]), float(self.pendulum)
-        par = Parameters(m, c, self.k, rho**-2, F_k, 0.0, 0.0)
-        added = point[len(OSCILLATOR_UNKNOWNS) : len(OSCILLATOR_UNKNOWNS) + len(ADDED)]
+        """Return what `law_decay` does at times from the start of a decay on.   of : the values of `_OF_A_DECAY`.
+        count : of the derivatives."""
+        F_k, c, rho, m, x, v, w = of[:LINEAR_UNKNOWNS].tolist()
+        par = Numbers(m, c, self.k, rho**-2, F_k, 0.0, 0.0)
+        added, gravity = of[LINEAR_UNKNOWNS:-1], float(self.pendulum)
         return law_decay(times, order, x, v, w, par, added, count, gravity, phases)
 
-    def phases(self, point: Array, i: int, until: float) -> Array:
+    def phases(self, values: Array, i: int, until: float) -> Array:
         """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to a time, s.
 
         Raises ValueError where the contact rattles on.
         """
         rows, times = np.full((_MOST_PHASES, 5), math.nan), np.array([until])
-        if not np.isfinite(self._motion(point, i, times, 0, LINEAR_UNKNOWNS, rows)).all():
+        motion = self._motion(values[self._places[i]], times, 0, LINEAR_UNKNOWNS, rows)
+        if not np.isfinite(motion).all():
             raise ValueError("the contact slips on and on")
         return rows[np.isfinite(rows[:, PHASE_T])]
 
-    def columns(self, point: Array, *, added: bool = False) -> Array:
+    def columns(self, values: Array, *, added: bool = False) -> Array:
         """Return derivatives of the residuals (model − sample)/σ by the unknowns, and these residuals, (samples, p +
-        1), decay by decay, channel by channel; NaN where the contact rattles.
-
-        added : whether derivatives by `FURTHER` are wanted that are not free.
-        """
-        added = added or any(symbol in self.free for symbol in FURTHER)
-        corner = float(point[COMMON.index(CORNER)])
-        blocks = []
-        for i, one in enumerate(self.decays):
-            own = self.places(i)
-            at = [self.friction_places[i], C, RHO, M, *range(own.start, own.stop)]
-            at += [COMMON.index(symbol) for symbol in FURTHER] if added else []
+        1), decay by decay, channel by channel; NaN where the contact rattles.   added : whether derivatives by
+        `FURTHER` are wanted."""
+        count, blocks = len(DECAY_UNKNOWNS) if added else LINEAR_UNKNOWNS, []
+        for one, at in zip(self.decays, self._places, strict=True):
+            of = values[at]
+            corner = float(of[-1])
             for signal in one.signals:
-                offset, count = len(COMMON) + signal.offset, LINEAR_UNKNOWNS
-                count = len(DECAY_UNKNOWNS) if added else count
-                part = self._motion(point, i, signal.t - one.start, signal.order, count)
+                offset = self._order[offset_of(signal)]
+                part = self._motion(of, signal.t - one.start, signal.order, count)
                 if added or corner:
                     part = ac_coupled(part, signal.dt, corner)
                     part = part if added else part[:, :-1]
                 # what the coupling still holds of the time before decays exponentially
                 level, start = np.ones(signal.t.size), ac_start(signal.t.size, signal.dt, corner)
                 part = np.column_stack([part, level, start])
-                part[:, 0] += point[offset] - signal.values
+                part[:, 0] += values[offset] - signal.values
                 part[signal.left_out] = 0.0
                 if self.band is not None:
                     part = filtered(part, signal.dt, self.band)
                 part, start = part[:, :-1], part[:, -1]
                 if corner:
                     part -= np.outer(start, start @ part / (start @ start))
-                block = np.zeros((signal.t.size, point.size + 1))
-                block[:, [-1, *at, offset]] = part / signal.noise
+                block = np.zeros((signal.t.size, values.size + 1))
+                block[:, [-1, *at[: part.shape[1] - 2], offset]] = part / signal.noise
                 blocks.append(block)
-        whole = np.vstack(blocks)
-        whole[:, RHO] *= 1.0 + 0.5 * contact_chord(float(point[RHO]), self.k) / point[RHO]
+        whole, rho = np.vstack(blocks), self._places[0, RHO]
+        whole[:, rho] *= 1.0 + 0.5 * contact_chord(float(values[rho]), self.k) / values[rho]
         return whole
 
-    def products(self, point: Array, out: Array) -> bool:
+    def products(self, values: Array, free: Mask, trail: Trail, out: Array) -> bool:
         """Set `out` to JᵀJ bordered by Jᵀr and χ²; false where the contact rattles."""
+        added = bool(free[self._places[0, LINEAR_UNKNOWNS:]].any())
         with np.errstate(over="ignore", invalid="ignore"):  # of a motion that grows without bound
-            whole = self.columns(point)
+            whole = self.columns(values, added=added)
             np.matmul(whole.T, whole, out=out)
         return bool(np.isfinite(out).all())
 
-    def moving(self) -> Mask:
-        """Return which unknowns move: in the band of the mode there is no offset."""
-        free = np.ones(self.size, dtype=np.bool_)
-        free[: len(COMMON)] = [symbol in self.free for symbol in COMMON]
-        if self.band is not None:
-            free[len(COMMON) : len(COMMON) + self.offsets] = False
-        if "F_k" not in self.free:
-            free[self.friction_places] = False
-            for i in range(len(self.decays)):
-                free[self.places(i).stop - 1] = free[RHO]
-        return free
-
-    def bounds(self, start: Array) -> ClimbBounds:
-        """Return the bounds of a climb from a start: F_k, c, damping that grows with the speed and friction that falls
-        with it are not negative."""
-        F_k, _, rho, m = start[: len(OSCILLATOR_UNKNOWNS)].tolist()
-        critical, omega = math.sqrt(self.k * m), math.sqrt(self.k / m)
-        lower, upper = np.full(start.size, -math.inf), np.full(start.size, math.inf)
-        scale = np.ones(start.size)
-        # with no contact at all, a mass this light is critically damped, even if the period is that of two turns
-        light = self.k * (min(one.period for one in self.decays) / (8.0 * math.pi)) ** 2
-        first = self.size - STATE * len(self.decays)
-        states = start[first:].reshape(-1, STATE)
-        size = np.maximum(np.maximum(np.abs(states[:, 0]), np.abs(states[:, 1]) / omega), 1e-300)
-        scale[first::STATE], scale[first + 1 :: STATE] = size, size * omega
-        x = float(size.max())
-        v = x * omega
-        # an earlier climb may have left no friction
-        least, frictions = _UNNOTICED * self.k * x, [F_K, *self.friction_places]
-        lower[frictions], scale[frictions] = 1e-3 * least, max(F_k, least)
-        lower[C], lower[RHO] = 0.0, self.rigid
-        lower[M], upper[M] = max(m / _MASS_RANGE, min(light, m)), m * _MASS_RANGE
-        upper[C], upper[RHO] = _DAMPED * critical, 1.0 / math.sqrt(_LOOSEST * self.k)
-        scale[C : M + 1] = _SMALL * critical, 1e-3 * rho, m
-        lower[first + 2 :: STATE], upper[first + 2 :: STATE] = 0.0, 2.0
-        by_speed, by_place = _SMALL * critical, _SMALL * self.k
-        of_law = (by_speed / v, by_place / x**2)
-        of_contact = (by_place * x, _SMALL * v, _SMALL, _SMALL * omega / (2.0 * math.pi))
-        scale[len(OSCILLATOR_UNKNOWNS) : len(COMMON)] = (*of_law, *of_contact)
-        # as much as a critical damper, or the spring itself: no motion that oscillates has more
-        at = slice(len(OSCILLATOR_UNKNOWNS), len(COMMON))
-        lower[at], upper[at] = -scale[at] / _SMALL, scale[at] / _SMALL
-        for symbol in ("c_2", "falling", "gradual", CORNER):
-            lower[COMMON.index(symbol)] = 0.0
-        lower[COMMON.index("falling_speed")] = _SLOWEST * v
-        for signal in (signal for one in self.decays for signal in one.signals):
-            scale[len(COMMON) + signal.offset] = signal.noise
-        return ClimbBounds(self.moving(), lower, upper, scale)
-
-    def scan(self, point: Array) -> Array:
+    def scan(self, parameters: Parameters) -> Array:
         """Return values of ρ at which χ² may have a minimum: coarse over all contacts, and fine about that of a point,
         whose ringing after the mass came to rest is a quarter of a cycle more or less from one to the next."""
-        stiffness, m = self.k * _SCAN, float(point[M])
+        stiffness, m = self.k * _SCAN, parameters["m"].value
         one = self.decays[0]
-        t = self.phases(point, 0, one.end - one.start)[-1, PHASE_T]
+        t = self.phases(parameters.values, 0, one.end - one.start)[-1, PHASE_T]
         rest = one.end - one.start - float(t)
         if rest > 0.0:
-            Omega = math.sqrt((self.k + point[RHO] ** -2) / m) + 2.0 * math.pi * _FINE / rest
+            here = math.sqrt((self.k + parameters["rho"].value ** -2) / m)
+            Omega = here + 2.0 * math.pi * _FINE / rest
             fine = m * np.maximum(Omega, 0.0) ** 2 - self.k
             stiffness = np.append(stiffness, fine[fine > self.k * _SCAN[0]])
         return np.asarray(1.0 / np.sqrt(stiffness))
 
     @property
-    def prior_errors(self) -> Array:
-        """Prior standard errors of the unknowns, (p,): w lies between 0 and 2; the others have no prior."""
-        errors = np.full(self.size, math.inf)
-        errors[self.size - STATE * len(self.decays) + 2 :: STATE] = _PRELOAD_ERROR
-        return errors
-
-    @property
-    def values(self) -> float:
+    def independent(self) -> float:
         """Number of independent values that the decays hold."""
         if self.band is None:
             return self.samples
@@ -354,35 +343,31 @@ class DecayProblem:
 
     def fit(self, end: Climb) -> DecayFit:
         """Return the fit at the end of a climb."""
-        moving = self.moving()
-        products = end.products[:-1, :-1] * np.outer(moving, moving)
+        parameters, free = end.parameters, end.parameters.free
         return DecayFit(
-            k=self.k,
-            point=end.point,
-            covariance=inverse_information(products, self.prior_errors),
-            chi_square=end.chi_square,
-            rigid=bool(end.point[RHO] <= self.rigid),
-            freedom=max(self.values - int(moving.sum()), 1.0),
-            problem=self,
+            parameters,
+            inverse_information(end.products[:-1, :-1] * np.outer(free, free), parameters.prior),
+            end.chi_square,
+            max(self.independent - int(free.sum()), 1.0),
+            self,
+            evaluations=end.evaluations,
+            promise=end.promise,
         )
 
     def climb(
-        self, start: Array, *, gain: float = GAIN, most: int = MOST_EVALUATIONS
+        self, start: Parameters, *, gain: float = GAIN, most: int = MOST_EVALUATIONS
     ) -> DecayFit | None:
         """Return the fit in which a climb from a start ends; None where the model has no motion there."""
         end = climb_on(self, start, gain=gain, most=most)
         return None if end is None else self.fit(end)
 
 
-@dataclass(frozen=True, eq=False)
-class DecayFit(NamedFit):
-    """The oscillator whose free decays fit the samples of n decays best.
-
-    minima : other minima of χ² that are nearly as good, and points along K_z that are (`search.profiled`).
-    """
+class DecayFit(OscillatorFit):
+    """The oscillator whose free decays fit the samples of n decays best; among its minima are points along K_z that are
+    as good (`search.profiled`)."""
 
     problem: DecayProblem
-    minima: tuple[DecayFit, ...] = field(default=())
+    minima: tuple[DecayFit, ...]
 
     @property
     def decays(self) -> tuple[Decay, ...]:
@@ -390,41 +375,32 @@ class DecayFit(NamedFit):
         return self.problem.decays
 
     @property
-    def free(self) -> Mask:
-        """Which unknowns were not given, (p,)."""
-        return self.problem.moving()
+    def shared(self) -> dict[str, float]:
+        """Value of what all decays share, by key."""
+        return {one.key: one.value for one in self.parameters if not one.group}
+
+    @property
+    def free(self) -> set[str]:
+        """Names of the unknowns that were not given."""
+        return {one.name for one in self.parameters if one.free}
+
+    @property
+    def further(self) -> list[str]:
+        """Those of `FURTHER` that were not given."""
+        return [name for name in FURTHER if name in self.free]
 
     @cached_property
-    def _columns(self) -> Array:
-        return self.problem.columns(self.point) * np.append(self.free, True)
-
-    @property
-    def jacobian(self) -> Array:
-        """Derivatives of the residual by the unknowns, (samples, p); zero where one was given."""
-        return self._columns[:, :-1]
-
-    @property
     def residual(self) -> Array:
         """(model − sample)/σ, (samples,), in the band of the fit."""
-        return self._columns[:, -1]
+        return self.problem.columns(self.point)[:, -1]
 
     @property
-    def samples(self) -> int:
-        """Number of samples in all decays."""
-        return self.problem.samples
-
-    @property
-    def friction_places(self) -> list[int]:
-        """Place of the friction force of each decay in the point."""
-        return self.problem.friction_places
-
-    @property
-    def _forces(self) -> list[int]:
-        return [*dict.fromkeys(self.friction_places)]
+    def _forces(self) -> Integers:
+        return np.flatnonzero([name == _FRICTION for name in self.parameters.names])
 
     @property
     def frictions(self) -> Array:
-        """The friction forces, N: one, or that of each decay."""
+        """The friction forces, N: one, or that of each group of decays."""
         return self.point[self._forces]
 
     @property
@@ -433,44 +409,36 @@ class DecayFit(NamedFit):
         covariance = self.covariance[np.ix_(self._forces, self._forces)]
         return ScatteringMean.of(self.frictions, covariance)
 
-    def value(self, name: str) -> float:
-        """Return a common unknown, in its unit; of several friction forces their mean."""
-        return self.friction.value if name == "F_k" else super().value(name)
+    def value(self, key: str) -> float:
+        """Return a parameter, in its unit; of several friction forces their mean."""
+        return self.friction.value if key == _FRICTION else super().value(key)
 
-    @property
-    def common_covariance(self) -> Array:
-        """Covariance of the common unknowns; that of F_k includes the scatter of several friction forces."""
+    def covariance_of(self, *keys: str) -> Array:
+        """Return the covariance of some parameters; that of F_k includes the scatter of several friction forces."""
         if self.frictions.size == 1:
-            return super().common_covariance
-        means = np.eye(len(self.names), self.point.size)
-        means[0, self._forces] = 1.0 / self.frictions.size
+            return super().covariance_of(*keys)
+        means = np.zeros((len(keys), self.point.size))
+        for mean, key in zip(means, keys, strict=True):
+            of = self._forces if key == _FRICTION else [self.parameters.places[key]]
+            mean[of] = 1.0 / len(of)
         covariance = means @ self.covariance @ means.T
-        covariance[0, 0] = self.friction.error**2
+        own = [key == _FRICTION for key in keys]
+        covariance[np.ix_(own, own)] = self.friction.error**2
         return covariance
 
-    def point_of(self, i: int) -> Array:
-        """Return the point with the friction force of decay i in the place of F_k."""
-        point = self.point.copy()
-        point[F_K] = point[self.friction_places[i]]
-        return point
-
-    def interval(self, name: str) -> tuple[float, float]:
-        """Return the 95 % interval of a common unknown, in its unit, over all minima that are within its χ²."""
-        low, high = super().interval(name)
-        if name == "F_k" and self.frictions.size > 1:
+    def interval(self, key: str) -> tuple[float, float]:
+        """Return the 95 % interval of a parameter, in its unit, over all minima that are within its χ²."""
+        if key == _FRICTION and self.frictions.size > 1:
             return self.friction.interval
+        low, high = super().interval(key)
         for one in self.minima:
             if one.chi_square > self.chi_square + _NEGLECTED:
                 continue
             reach = math.sqrt(max(NORMAL_95**2 - (one.chi_square - self.chi_square), 0.0))
-            reach *= one.error(name)
-            low, high = min(low, one.value(name) - reach), max(high, one.value(name) + reach)
-        as_rigid = name == "rho" and low * math.sqrt(_AS_RIGID * self.k) < 1.0
+            reach *= one.error(key)
+            low, high = min(low, one.value(key) - reach), max(high, one.value(key) + reach)
+        as_rigid = key == "rho" and low * math.sqrt(_AS_RIGID * self.k) < 1.0
         return (0.0 if as_rigid else low), high
-
-    def places(self, i: int) -> slice:
-        """Return places of the start state x, ẋ, w of decay i in the point."""
-        return self.problem.places(i)
 
     def phases(self, i: int, end: float | None = None) -> Array:
         """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to its end or another one, s."""
@@ -496,27 +464,18 @@ class DecayFit(NamedFit):
         return [(*channels[j], r) for j, r in enumerate(np.split(self.residual, ends[:-1]))]
 
     @cached_property
-    def _parts(self) -> tuple[list[Array], list[int], int]:
-        """Residuals of the channels, samples in a part of a cycle there, and what the fit takes of their freedom."""
-        channels = self.residuals()
-        widths = [
-            max(2, round(self.decays[i].period / (_BINS_OF_A_CYCLE * signal.dt)))
-            for i, signal, _ in channels
-        ]
-        return [residual for *_, residual in channels], widths, int(self.free.sum())
-
-    @cached_property
-    def slow_chance(self) -> float:
-        """Probability that averages of white noise over parts of a cycle, down to two samples, are as large."""
-        return chance_of_averages(*self._parts)
-
-    @cached_property
     def chance(self) -> float:
-        """Probability that white noise leaves a residual as similar to a motion, slow or fast; 1 in the band of the
-        mode, where what lies outside is none of the fit's business."""
+        """Probability that white noise leaves a residual as similar to a motion, in averages over parts of a cycle,
+        down to two samples, or in lines; 1 in the band of the mode, where what lies outside is none of the fit's
+        business."""
         if self.problem.band is not None:
             return 1.0
-        return min(1.0, 2.0 * min(self.slow_chance, chance_of_lines(self._parts[0])))
+        channels = self.residuals()
+        cycles = (self.decays[i].period / signal.dt for i, signal, _ in channels)
+        widths = [max(2, round(cycle / _BINS_OF_A_CYCLE)) for cycle in cycles]
+        parts = [residual for *_, residual in channels]
+        slow = chance_of_averages(parts, widths, int(self.parameters.free.sum()))
+        return min(1.0, 2.0 * min(slow, chance_of_lines(parts)))
 
     @property
     def adequate(self) -> bool:
@@ -552,18 +511,17 @@ def with_noise_of(fit: DecayFit) -> DecayFit:
     for _, signal, residual in fit.residuals():
         total = sums.setdefault(signal.offset, np.zeros(2))
         total += float(residual @ residual) * signal.noise**2, residual.size
-    # each channel has its share of the freedom
-    lost = fit.freedom / problem.values
-    per_sample = problem.values / problem.samples
 
     def with_noise(signal: Signal) -> Signal:
         square, n = sums[signal.offset]
-        sigma = math.sqrt(square / (n * lost * per_sample))
+        # each channel has its share of the freedom
+        sigma = math.sqrt(square / (n * fit.freedom / problem.samples))
         return replace(signal, noise=max(sigma, least_noise(signal.values)))
 
     decays = [replace(one, signals=tuple(map(with_noise, one.signals))) for one in fit.decays]
     problem = replace(problem, decays=tuple(decays))
-    ends = filter(None, (problem.climb(one.point) for one in (fit, *fit.minima)))
+    starts = (fit.parameters.at(one.point) for one in (fit, *fit.minima))
+    ends = filter(None, map(problem.climb, starts))
     best, *others = sorted(ends, key=lambda one: one.chi_square) or [fit]
     return replace(best, minima=tuple(others))
 
@@ -571,19 +529,20 @@ def with_noise_of(fit: DecayFit) -> DecayFit:
 def departures_of(fit: DecayFit) -> list[Departure]:
     """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
     be followed."""
-    problem = fit.problem
-    whole = problem.columns(fit.point, added=True)
+    whole, parameters = fit.problem.columns(fit.point, added=True), fit.parameters
     if not np.isfinite(whole).all():
         return []
-    moving = problem.moving()
     # of several friction forces, by their mean and by the others' distance from the first
-    further = [*dict.fromkeys(problem.friction_places)][1:]
-    first_force = whole[:, [F_K]]
-    whole[:, [F_K]] += whole[:, further].sum(axis=1, keepdims=True)
-    whole[:, further] -= first_force
-    own = np.flatnonzero(moving & (np.abs(whole[:, :-1]).max(axis=0) > 0.0))
-    added = {s: whole[:, COMMON.index(s)] for s in FURTHER if s not in problem.free}
-    names = [COMMON[at] for at in own if at < len(COMMON)]
+    first, *others = [i for i, name in enumerate(parameters.names) if name == _FRICTION]
+    first_force = whole[:, [first]]
+    whole[:, [first]] += whole[:, others].sum(axis=1, keepdims=True)
+    whole[:, others] -= first_force
+    moving = parameters.free & (np.abs(whole[:, :-1]).max(axis=0) > 0.0)
+    shared = [i for i, name in enumerate(parameters.names) if name in _SHARED and i not in others]
+    own = [*filter(moving.__getitem__, shared)]
+    names = [parameters.names[i] for i in own]
+    own += [i for i in np.flatnonzero(moving).tolist() if i not in own]
+    added = {s: whole[:, parameters.places[s]] for s in FURTHER if s not in fit.further}
     return departures_from(
         whole[:, -1], whole[:, own], added, names, noise_known=False, freedom=fit.freedom
     )

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from scipy import special
 
 from ..arrays import Array
@@ -43,8 +44,12 @@ class Fit:
 
     def error(self, key: str) -> float:
         """Return the standard error of a parameter, in its unit; 0 where it was given."""
-        at = self.parameters.places[key]
-        return math.sqrt(self.covariance[at, at])
+        return math.sqrt(self.covariance_of(key)[0, 0])
+
+    def covariance_of(self, *keys: str) -> Array:
+        """Return the covariance of some parameters, in their units."""
+        at = [self.parameters.places[key] for key in keys]
+        return self.covariance[np.ix_(at, at)]
 
     def freedom_of(self, key: str) -> float:
         """Return the degrees of freedom of the error of a parameter."""

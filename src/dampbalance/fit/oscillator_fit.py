@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from scipy import special
 
 from ..arrays import Array
@@ -51,6 +52,11 @@ class OscillatorFit(ABC):
     def common_covariance(self) -> Array:
         """Covariance of the common unknowns, in the order of their names."""
         return self.covariance[: len(self.names), : len(self.names)]
+
+    def covariance_of(self, *names: str) -> Array:
+        """Return the covariance of some unknowns, in their units."""
+        at = [self.names.index(name) for name in names]
+        return self.common_covariance[np.ix_(at, at)]
 
     def value(self, name: str) -> float:
         """Return a common unknown, in its unit."""

@@ -97,6 +97,11 @@ class Parameters:
         """Place of each key."""
         return {key: i for i, key in enumerate(self.keys)}
 
+    @property
+    def by_key(self) -> dict[str, float]:
+        """Value of each key."""
+        return dict(zip(self.keys, self.values.tolist(), strict=True))
+
     def __len__(self) -> int:
         """Return their number."""
         return len(self.names)

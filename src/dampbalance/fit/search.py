@@ -20,49 +20,35 @@ import math
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy import special
 
-from ..arrays import Array
 from ..motion.events import PHASE_S, PHASE_X
-from ..motion.unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C
+from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..signals.band import Band
 from ..signals.bursts import Burst, Signal, bursts_of, sharpest
 from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
-from .decay import COMMON, FURTHER, STATE, Decay, DecayFit, DecayProblem, with_noise_of
-from .minimise import climb_on, climbs, likely, minimise, profile
+from .climb import Climb
+from .decay import FURTHER, STATE, Decay, DecayFit, DecayProblem, offset_of, with_noise_of
+from .multistart import climb_on, climbs, likely, multistart, profile
+from .parameters import Parameters
 from .swings import SLOWER, Swings
 
-_FIRST_STIFFNESSES = (
-    4.0,
-    30.0,
-    300.0,
-)  # of K_z/k, from which a climb reaches any contact that shows
-_SHARES = (
-    0.1,
-    0.5,
-    0.9,
-)  # of friction in the loss of a swing, where the line through the swings misleads
-_LOSSES, _FINER = (
-    (0.85, 1.0, 1.15),
-    (0.05, 0.3, 0.55, 0.8, 0.98),
-)  # the same next to a fit that is not white
-_FIRST, _GROWTH = (
-    1.3,
-    1.7,
-)  # cycles that are fitted first: two turns and the way there; growth from one to the next
-_FEWEST_SAMPLES = 4 * (len(OSCILLATOR_UNKNOWNS) + STATE)  # samples of a decay
-_BACK, _MOST_BACK = (
-    24,
-    30,
-)  # steps of a cycle in which the start moves back; steps, more than a cycle
+_FIRST_STIFFNESSES = (4.0, 30.0, 300.0)  # of K_z/k: from there a climb reaches any that shows
+# Shares of friction in the loss of a swing, where the line through the swings misleads, and losses with shares next to
+# a fit.
+_SHARES = (0.1, 0.5, 0.9)
+_LOSSES, _FINER = (0.85, 1.0, 1.15), (0.05, 0.3, 0.55, 0.8, 0.98)
+# cycles that are fitted first: two turns and the way there; growth from one to the next
+_FIRST, _GROWTH = 1.3, 1.7
+_FEWEST_SAMPLES = 4 * (len(OSCILLATOR_UNKNOWNS) + len(STATE))  # samples of a decay
+_BACK, _MOST_BACK = 24, 30  # steps of a cycle in which the start moves back, and their number
 _PRELOADS = (0.0, 1.0, 2.0)  # w of a contact that yields either way, and of one that is slack
 _SEVERAL = 3  # steps back that are looked at together
-_SETTLED = (
-    1.25  # times the least mean square of the residual in the band: a start that disturbs nothing
-)
+_SETTLED = 1.25  # of the least mean square of the residual in the band: nothing is disturbed
 _LONG = 300  # cycles of a decay, of more of which excerpts are fitted
 _EXCERPTS, _EXCERPT = 8, 150  # their number, and the cycles of each at most
 _LATEST = 3.0  # cycles after the turn, to which a disturbance of the release may last
@@ -146,19 +132,16 @@ def _of_burst(
     fit = _grown([whole.cut(starts[0], whole.end)], swings, blank, surest) if starts else None
     if fit is None:
         return None
-    bent = fit if fit.white else with_one_more(fit)
-    if bent is not None and bent.white:
-        fit = without_spring(
-            with_noise_of(_from_earlier(with_noise_of(bent), whole, burst.earliest))
-        )
-    else:
+    wide = _whitened(fit)
+    if wide is None:
         fit = _band_from_earliest(whole, swings, starts, fit) or fit
         # from there all the band may be white after all
-        wide = replace(fit.problem, band=None).climb(fit.point)
-        wide = wide if wide is None or wide.white else with_one_more(wide)
-        if wide is not None and wide.white:
-            fit = with_noise_of(_from_earlier(with_noise_of(wide), whole, burst.earliest))
-    if fit.samples < _FEWEST_SAMPLES:
+        unfiltered = replace(fit.problem, band=None)
+        wide = _whitened(unfiltered.climb(unfiltered.posed(fit.parameters)))
+    if wide is not None:
+        longer = with_noise_of(_from_earlier(with_noise_of(wide), burst.earliest))
+        fit = without_spring(longer)
+    if fit.problem.samples < _FEWEST_SAMPLES:
         return None
     # else the swing was not that of a free motion
     return fit if float(np.ptp(fit.phases(0)[:, PHASE_X])) > _LEAST_SWING * burst.swing else None
@@ -176,71 +159,67 @@ def _of_excerpts(whole: Decay, swings: Swings, blank: DecayProblem) -> DecayFit 
         print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
     parts = [replace(one, whole=None, of_cycles=of_cycles) for one in parts]
     fit = _grown(parts, swings, blank)
-    if fit is None or fit.white:
-        return fit and with_noise_of(fit)
-    bent = with_one_more(fit)
-    if bent is not None and bent.white:
-        return with_noise_of(bent)
+    white = _whitened(fit)
+    if fit is None or white is not None:
+        return white and with_noise_of(white)
     # what is not white may have led it astray, to an early rest
-    fit = replace(fit, problem=replace(fit.problem, decays=tuple(parts)))
+    problem = replace(fit.problem, decays=tuple(parts))
     F_k, c, m = swings.oscillator(blank.k)
-    states = [swings.start_at(one.start) for one in parts]
-    common = np.array([F_k, c, 1.0 / math.sqrt(_FIRST_STIFFNESSES[-1] * blank.k), m])
-    return in_the_band(fit, fit.problem.point(common, np.zeros(fit.problem.offsets), states))
+    stiff = 1.0 / math.sqrt(_FIRST_STIFFNESSES[-1] * blank.k)
+    start = {"F_k": F_k, "c": c, "rho": stiff, "m": m, **_states_at(parts, swings)}
+    return in_the_band(replace(fit, problem=problem), problem.parameters(start))
+
+
+def _states_at(parts: Sequence[Decay], swings: Swings) -> dict[str, float]:
+    """Return the start states of decays by key."""
+    states = [one.state(*swings.start_at(one.start).tolist()) for one in parts]
+    return {key: value for state in states for key, value in state.items()}
 
 
 def _grown(
     parts: Sequence[Decay], swings: Swings, blank: DecayProblem, surest: DecayFit | None = None
 ) -> DecayFit | None:
     """Return the best fit of a decay, or of excerpts of it, from the middle of a swing on, over windows that grow."""
-    k = blank.k
-    F_k, c, m = swings.oscillator(k)
-    states = [swings.start_at(one.start) for one in parts]
-    v = float(states[0][1])
-    problem = replace(blank, decays=tuple(parts))
-    offsets = np.zeros(problem.offsets)
-    for signal in parts[0].signals:
-        offsets[signal.offset] = float(np.median(signal.values[-(signal.values.size // 4) - 1 :]))
+    first, problem = parts[0], replace(blank, decays=tuple(parts))
+    contacts = [1.0 / math.sqrt(stiffness * blank.k) for stiffness in _FIRST_STIFFNESSES]
+    F_k, c, m = swings.oscillator(blank.k)
+    known = {"m": m, **_states_at(parts, swings)}
+    for signal in first.signals:
+        last = signal.values[-(signal.values.size // 4) - 1 :]
+        known[offset_of(signal)] = float(np.median(last))
     # the loss of a swing by friction and by damping, with all of it in other shares
-    per_c = 0.25 * math.pi * abs(v)
+    per_c = 0.25 * math.pi * abs(known[first.key("v")])
+
+    def mixture(loss: float, share: float, rho: float) -> dict[str, float]:
+        return {"F_k": share * loss, "c": (1.0 - share) * loss / per_c, "rho": rho}
+
     loss = F_k + per_c * c
-    mixtures = [(F_k, c), *((share * loss, (1.0 - share) * loss / per_c) for share in _SHARES)]
-    points = [
-        problem.point(np.array([f, d, 1.0 / math.sqrt(stiff * k), m]), offsets, states)
-        for f, d in mixtures
-        for stiff in _FIRST_STIFFNESSES
-    ]
-    if surest is not None:
-        points.append(problem.point(surest.point[: len(COMMON)], offsets, states))
-    length = _FIRST * parts[0].period
-    while parts[0].start + length < parts[0].end:
-        window = replace(
-            problem, decays=tuple(one.cut(one.start, one.start + length) for one in parts)
-        )
-        if window.samples >= _FEWEST_SAMPLES:
+    mixtures = [mixture(loss, share, rho) for share in (F_k / loss, *_SHARES) for rho in contacts]
+    mixtures += [] if surest is None else [surest.parameters.by_key]
+    points = [problem.parameters({**known, **one}) for one in mixtures]
+    ends, length, duration = list[Climb](), _FIRST * first.period, first.end - first.start
+    while True:
+        window = problem
+        if length < duration:
+            cut = (one.cut(one.start, one.start + length) for one in parts)
+            window = replace(problem, decays=tuple(cut))
+        if window.samples >= _FEWEST_SAMPLES or length >= duration:
             ends = climbs(window.thinned(), points, math.inf)
-            points = [one.point for one in ends] or points
+            points = [problem.posed(one.parameters) for one in ends] or points
+        if length >= duration:
+            break
         length *= _GROWTH
-    thin = problem.thinned()
-    ends = climbs(thin, points, math.inf)
     if not ends:
         return None
-    problem = _until_rest(problem, thin.fit(ends[0]))
-    fit = _first(minimise(problem, [one.point for one in ends]))
+    problem = _until_rest(problem, problem.thinned().fit(ends[0]))
+    fit = _best(problem, points, "rho")
     if fit is None or len(parts) > 1:
         return fit
     # another number of half cycles, or of those that friction takes, is another minimum
-    loss = fit.F_k + per_c * fit.c
-    contacts = [
-        float(fit.point[RHO]),
-        *(1.0 / math.sqrt(stiff * k) for stiff in _FIRST_STIFFNESSES),
-    ]
-    more = []
-    for by, share, rho in itertools.product(_LOSSES, _FINER, contacts):
-        point = fit.point.copy()
-        point[F_K], point[C], point[RHO] = by * share * loss, by * (1.0 - share) * loss / per_c, rho
-        more.append(point)
-    best = _first(minimise(problem, [fit.point, *more], scanned=""))
+    loss, here = fit.F_k + per_c * fit.c, problem.posed(fit.parameters)
+    tried = itertools.product(_LOSSES, _FINER, [here["rho"].value, *contacts])
+    more = [here.moved(**mixture(by * loss, share, rho)) for by, share, rho in tried]
+    best = _best(problem, [here, *more])
     return best if best is not None and best.chi_square < fit.chi_square else fit
 
 
@@ -259,13 +238,13 @@ def to_the_end(fit: DecayFit) -> DecayFit:
     The tails grow for as long as they follow the motion, so that the phase of the ringing is known from one to the
     next: a hand that touches the mass ends them. Where no ringing stands out of the noise, the fit stays as it is.
     """
-    first, points = fit.decays, [one.point for one in (fit, *fit.minima)]
+    first, points = fit.decays, [one.parameters for one in (fit, *fit.minima)]
 
     def with_tail(i: int, length: float) -> Decay:
         one = first[i]
-        later = (other.start for other in first if other.source == one.source)
-        limits = (start for start in later if start > one.start)
-        return one.until(min(one.end + length * one.period, *limits, math.inf))
+        of_record = (other.start for other in first if other.source == one.source)
+        limits = (start for start in of_record if start > one.start)
+        return one.recut(one.start, min(one.end + length * one.period, *limits, math.inf))
 
     decays, length, shown = list(first), 1.0, 0.0
     growing = [
@@ -277,19 +256,19 @@ def to_the_end(fit: DecayFit) -> DecayFit:
         ends = climbs(problem, points)
         if not ends:
             break
-        here, predicted = problem.fit(ends[0]), replace(fit, problem=problem, point=points[0])
+        here, predicted = problem.fit(ends[0]), replace(fit, problem=problem, parameters=points[0])
         gains = {i: _gain(here, predicted, i, decays[i].end) for i in growing}
         lost = [i for i, gain in gains.items() if gain == -math.inf]
         for i in lost:  # what disturbs it may have begun in the part before
             decays[i] = with_tail(i, length / _LONGER**2 if length > _LONGER else 0.0)
         if not lost:
             shown += math.fsum(gains.values())
-            decays, points, length = longer, [one.point for one in ends], _LONGER * length
+            decays, points, length = longer, [one.parameters for one in ends], _LONGER * length
         growing = [i for i in growing if i not in lost and with_tail(i, length).end > decays[i].end]
     if shown < SIGNIFICANT**2:
         return fit
     problem = replace(fit.problem, decays=tuple(decays))
-    longest = _first(minimise(problem, points, scanned=""))
+    longest = _best(problem, points)
     return longest if longest is not None and longest.white else fit
 
 
@@ -314,27 +293,23 @@ def _gain(fit: DecayFit, predicted: DecayFit, i: int, since: float) -> float:
     return gain if follows else -math.inf
 
 
-def _first(fits: Sequence[DecayFit]) -> DecayFit | None:
-    """Return the lowest of some minima, which keeps those in mind that are nearly as low."""
+def _best(problem: DecayProblem, starts: Sequence[Parameters], scan: str = "") -> DecayFit | None:
+    """Return the lowest minimum that a search finds, which keeps those in mind that are nearly as low."""
+    fits = multistart(problem, starts, scan=scan)
     return replace(fits[0], minima=tuple(fits[1:])) if fits else None
 
 
-def _from_earlier(fit: DecayFit, whole: Decay, earliest: float) -> DecayFit:
+def _from_earlier(fit: DecayFit, earliest: float) -> DecayFit:
     """Return the fit with the start moved back for as long as the samples follow the motion."""
-    problem = fit.problem
-    (one,) = problem.decays
-    sigma = {signal.offset: signal.noise for signal in one.signals}
-    signals = tuple(replace(signal, noise=sigma[signal.offset]) for signal in whole.signals)
-    whole = replace(whole, signals=signals)
+    (one,) = fit.decays
     step = one.period / _BACK
-    earliest -= 0.5 * min(signal.dt for signal in whole.signals)
+    earliest -= 0.5 * min(signal.dt for signal in one.signals)
     # the same samples for all starts
-    thin = whole.cut(max(earliest, one.start - _MOST_BACK * step), one.end).thinned()
-    here = replace(problem, decays=(thin.cut(one.start, one.end),)).climb(fit.point, gain=_ROUGH)
-    if here is None:
-        return fit
-    fits, start = [here], one.start - step
-    while start >= thin.start:
+    thin = one.recut(max(earliest, one.start - _MOST_BACK * step), one.end).thinned()
+    here = replace(fit.problem, decays=(thin.cut(one.start, one.end),))
+    fits = [*filter(None, [here.climb(fit.parameters, gain=_ROUGH)])]
+    start = one.start - step
+    while fits and start >= thin.start:
         longer = _refit(fits[-1], thin.cut(start, one.end))
         if doubted := _doubted(fits, longer):
             # what stopped it may have begun within the steps that are in doubt
@@ -342,27 +317,26 @@ def _from_earlier(fit: DecayFit, whole: Decay, earliest: float) -> DecayFit:
             break
         fits += [longer] if longer is not None else []
         start -= step
-    if len(fits) == 1:
+    if len(fits) < 2:
         return fit
-    last = replace(problem, decays=(whole.cut(fits[-1].decays[0].start, one.end),))
-    starts = [fits[-1].point]
-    for preload in _PRELOADS:
-        starts.append(starts[0].copy())
-        starts[-1][-1] = preload
-    return _first(minimise(last, starts)) or fit
+    last = replace(here, decays=(one.recut(fits[-1].decays[0].start, one.end),))
+    starts = [fits[-1].parameters, *_preloaded(fits[-1].parameters, one)]
+    return _best(last, starts, "rho") or fit
+
+
+def _preloaded(start: Parameters, one: Decay) -> list[Parameters]:
+    """Return a start with the contact of a decay loaded in one way or another."""
+    return [start.moved(**{one.key("w"): preload}) for preload in _PRELOADS]
 
 
 def _refit(fit: DecayFit, part: Decay) -> DecayFit | None:
     """Return the fit of a decay that begins a step earlier, with the contact loaded in one way or another."""
-    problem = replace(fit.problem, decays=(part,))
-    start = _before(fit.point, fit.k, fit.decays[0].start - part.start)
-    best = problem.climb(start, gain=_ROUGH, most=12)
-    for preload in _PRELOADS if _doubted([fit], best) else ():
-        start[-1] = preload
-        other = problem.climb(start, gain=_ROUGH, most=12)
-        if other is not None and (best is None or other.chi_square < best.chi_square):
-            best = other
-    return best
+    climb = partial(replace(fit.problem, decays=(part,)).climb, gain=_ROUGH, most=12)
+    start = _before(fit.parameters, part, fit.k, fit.decays[0].start - part.start)
+    ends = [climb(start)]
+    if _doubted([fit], ends[0]):
+        ends += map(climb, _preloaded(start, part))
+    return min(filter(None, ends), key=lambda end: end.chi_square, default=None)
 
 
 def _doubted(fits: Sequence[DecayFit], longer: DecayFit | None) -> int:
@@ -372,17 +346,17 @@ def _doubted(fits: Sequence[DecayFit], longer: DecayFit | None) -> int:
         return 1
     for count in (1, _SEVERAL):
         here = fits[-count:][0]
-        new, excess = longer.samples - here.samples, longer.chi_square - here.chi_square
+        new = longer.problem.samples - here.problem.samples
+        excess = longer.chi_square - here.chi_square
         if new > 0 and special.chdtrc(new, max(excess, 0.0)) < P_STEP_BACK:
             return count
     return 0
 
 
-def _before(point: Array, k: float, step: float) -> Array:
-    """Return the point with about the start state a step earlier: slipping backwards, and from the other side at a
-    turn."""
-    F_k, c, _, m = point[: len(OSCILLATOR_UNKNOWNS)].tolist()
-    x, v, preload = point[-STATE:].tolist()
+def _before(start: Parameters, one: Decay, k: float, step: float) -> Parameters:
+    """Return the start with about the start state of its decay a step earlier: slipping backwards, and from the other
+    side at a turn."""
+    F_k, c, m, x, v, preload = (start[one.key(s)].value for s in ("F_k", "c", "m", *STATE))
     side = math.copysign(1.0, v if v != 0.0 else preload - 1.0)
     n = 16
     h = step / n
@@ -393,51 +367,51 @@ def _before(point: Array, k: float, step: float) -> Array:
             preload = 1.0 + side
         x -= h * v_half
         v = v_half + 0.5 * h * (k * x + side * F_k + c * v_half) / m
-    return np.concatenate([point[:-STATE], [x, v, preload]])
+    return start.moved(**one.state(x, v, preload))
 
 
 def _band_from_earliest(
-    whole: Decay, swings: Swings, starts: Sequence[float], fit: DecayFit
+    whole: Decay, swings: Swings, begins: Sequence[float], fit: DecayFit
 ) -> DecayFit | None:
     """Return the fit in the band of the mode, from the earliest swing on that the release does not disturb."""
     dt = max(signal.dt for signal in whole.signals)
     band = Band.about(1.0 / whole.period, dt)
     # a fit that the release has led astray may rest too early
     end = min(whole.end, max(fit.decays[0].end, float(swings.zeros[-1]) + whole.period))
-    last = min(starts[0] + _LATEST * whole.period, end - 2.0 * _FIRST * whole.period)
-    early = [t for t in starts if t <= last] or [*starts[:1]]
+    last = min(begins[0] + _LATEST * whole.period, end - 2.0 * _FIRST * whole.period)
+    early = [t for t in begins if t <= last] or [*begins[:1]]
     blank = DecayProblem((), fit.k, pendulum=fit.problem.pendulum)
     latest = whole.cut(early[-1], whole.end)
     late = None if len(early) == 1 else _grown([latest], swings, blank)
-    points = [one.point for one in (fit, late) if one is not None]
-    for stiffness in _FIRST_STIFFNESSES:
-        points.append(points[-1].copy())
-        points[-1][RHO] = 1.0 / math.sqrt(stiffness * fit.k)
+    points = [one.parameters for one in (fit, late) if one is not None]
+    contacts = (1.0 / math.sqrt(stiffness * fit.k) for stiffness in _FIRST_STIFFNESSES)
+    points += [points[-1].moved(rho=rho) for rho in contacts]
     fits: list[DecayFit] = []
     for start in reversed(early):
         # the first swings may be those of a spring that is not linear: no reason to leave them out
-        problem = replace(blank, decays=(whole.cut(start, end),), band=band).with_free("k_3")
-        problem = problem.thinned()
-        for point in points:
-            point[-STATE:] = swings.start_at(start)
-        if ends := climbs(problem, points):
+        part = whole.cut(start, end)
+        problem = replace(blank, decays=(part,), band=band).thinned()
+        state = part.state(*swings.start_at(start).tolist())
+        starts = [problem.posed(point.moved(**state)).freed("k_3") for point in points]
+        if ends := climbs(problem, starts):
             fits.append(problem.fit(ends[0]))
-            points = [ends[0].point.copy()]
+            points = [ends[0].parameters]
     if not fits:
         return None
     least = min(one.misfit for one in fits)
     thin = [one for one in fits if one.misfit <= _SETTLED * least][-1]
     problem = replace(thin.problem, decays=(whole.cut(thin.decays[0].start, end),))
-    best = _first(minimise(_until_rest(problem, thin), [thin.point], scanned=""))
+    best = _best(_until_rest(problem, thin), [thin.parameters])
     return None if best is None else without_spring(with_noise_of(best))
 
 
-def in_the_band(fit: DecayFit, *starts: Array) -> DecayFit | None:
+def in_the_band(fit: DecayFit, *starts: Parameters) -> DecayFit | None:
     """Return the fit of the same decays in the band of the mode.   starts : to climb from as well."""
     one = fit.decays[0]
     dt = max(signal.dt for decay in fit.decays for signal in decay.signals)
-    problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt)).with_free("k_3")
-    best = _first(minimise(problem, [fit.point, *starts], scanned=""))
+    problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt))
+    from_all = (problem.posed(start) for start in (fit.parameters, *starts))
+    best = _best(problem, [start.freed("k_3") for start in from_all])
     return None if best is None else without_spring(with_noise_of(best))
 
 
@@ -446,43 +420,43 @@ def profiled(fit: DecayFit) -> DecayFit:
 
     χ² has minima and kinks there, and may be flat: its curvature at the lowest point does not show how far one goes.
     """
-    problem, thin, error = fit.problem, fit.problem.thinned(), fit.error("rho")
+    problem, thin, here = fit.problem, fit.problem.thinned(), fit.parameters
+    error = fit.error("rho")
     if not error > 0.0:
         return fit
-    near = fit.point[RHO] + error * _NEAR_MINIMUM
-    values = np.append(problem.scan(fit.point), near[near > problem.rigid])
-    ends = likely(profile(thin, fit.point, "rho", values), problem, thin)
-    held = replace(problem, free=tuple(name for name in problem.free if name != "rho"))
-    along = [*filter(None, (held.climb(end.point, gain=_ROUGH) for end in ends))]
+    near = fit.value("rho") + error * _NEAR_MINIMUM
+    values = np.append(problem.scan(here), near[near > problem.rigid])
+    ends = likely(profile(thin, here, "rho", values), problem, thin)
+    along = [*filter(None, (problem.climb(end.parameters, gain=_ROUGH) for end in ends))]
     lowest = min(along, key=lambda one: one.chi_square, default=fit)
-    best = problem.climb(lowest.point) if lowest.chi_square < fit.chi_square else None
-    if best is not None and best.chi_square < fit.chi_square:
-        fit = best
+    if lowest.chi_square < fit.chi_square:
+        best = problem.climb(here.at(lowest.point))
+        if best is not None and best.chi_square < fit.chi_square:
+            fit = best
     inside = [one for one in along if one.chi_square < fit.chi_square + _IN_INTERVAL]
     return replace(fit, minima=(*fit.minima, *inside))
 
 
 def with_one_more(fit: DecayFit) -> DecayFit | None:
     """Return the fit with that of `FURTHER` freed that lowers χ² most; None where none can be followed."""
-    problems = [
-        fit.problem.with_free(symbol) for symbol in FURTHER if symbol not in fit.problem.free
-    ]
-    pairs = [(one, climb_on(one.thinned(), fit.point, gain=_ROUGH, most=12)) for one in problems]
-    ends = [(end.chi_square, i, end.point) for i, (_, end) in enumerate(pairs) if end is not None]
-    if not ends:
-        return None
-    _, i, point = min(ends, key=lambda end: end[0])
-    return problems[i].climb(point)
+    thin = fit.problem.thinned()
+    starts = [fit.parameters.freed(s) for s in FURTHER if s not in fit.further]
+    ends = filter(None, (climb_on(thin, start, gain=_ROUGH, most=12) for start in starts))
+    best = min(ends, key=lambda end: end.chi_square, default=None)
+    return None if best is None else fit.problem.climb(best.parameters)
+
+
+def _whitened(fit: DecayFit | None) -> DecayFit | None:
+    """Return the fit, or else that with one more coefficient, if its residual is white; None where it is not."""
+    more = fit if fit is None or fit.white else with_one_more(fit)
+    return more if more is not None and more.white else None
 
 
 def without_spring(fit: DecayFit) -> DecayFit:
     """Return the fit without k_3, unless that explains enough or is not free."""
-    if "k_3" not in fit.problem.free:
+    if "k_3" not in fit.further:
         return fit
-    less = replace(fit.problem, free=tuple(name for name in fit.problem.free if name != "k_3"))
-    start = fit.point.copy()
-    start[COMMON.index("k_3")] = 0.0
-    without = less.climb(start)
+    without = fit.problem.climb(fit.parameters.held("k_3").moved(k_3=0.0))
     if without is None or without.chi_square - fit.chi_square > _K3_GAIN:
         return fit
     return with_noise_of(without)
@@ -507,7 +481,7 @@ def fit_all(fits: Sequence[DecayFit]) -> tuple[DecayFit | None, list[Decay]]:
     whole = _of_all(fits)
     if whole is None or _same(whole, fits):
         return whole, []
-    order = sorted(fits, key=lambda fit: (-slips_of(fit), -fit.samples))
+    order = sorted(fits, key=lambda fit: (-slips_of(fit), -fit.problem.samples))
     kept = [fit for fit in order if slips_of(fit) > _MOST_HALF_CYCLES] or order[:1]
     here = _of_all(kept)
     for fit in order[len(kept) :]:
@@ -534,34 +508,22 @@ def _of_all(fits: Sequence[DecayFit]) -> DecayFit | None:
 def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:
     """Return whether the unknowns that a fit has less than fits of its parts are not missed: its χ² lies above theirs
     by no more than chance makes of as many."""
-    fewer = sum(np.count_nonzero(fit.free) for fit in parts) - np.count_nonzero(whole.free)
+    fewer = sum(fit.parameters.free.sum() for fit in parts) - whole.parameters.free.sum()
     excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
     noise = max(1.0, *(fit.misfit for fit in parts))
     return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > P_ONE_OSCILLATOR)
 
 
-def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool = False) -> DecayFit | None:
+def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool) -> DecayFit | None:
     """Return the fit of all decays, with one friction force or one for each: from the minima of each in turn."""
-    decays = tuple(
-        replace(one, friction=i * own_frictions) for i, fit in enumerate(fits) for one in fit.decays
-    )
-    bands = [fit.problem.band for fit in fits if fit.problem.band is not None]
-    free = dict.fromkeys(name for fit in fits for name in fit.problem.free)
-    band = bands[0] if bands else None
-    problem = replace(fits[0].problem, decays=decays, band=band, free=tuple(free))
-    offsets = np.zeros(problem.offsets)
+    decays, known = list[Decay](), dict[str, float]()
     for fit in fits:
-        for signal in fit.decays[0].signals:
-            offsets[signal.offset] = fit.point[len(COMMON) + signal.offset]
-    separate = [(fit, i) for fit in fits for i in range(len(fit.decays))]
-    surest = sorted(fits, key=lambda fit: -fit.samples / (1.0 + fit.misfit))
-    points = []
-    for one in (minimum for fit in surest[:3] for minimum in (fit, *fit.minima)):
-        point = problem.point(
-            one.point[: len(COMMON)], offsets, [fit.point[fit.places(i)] for fit, i in separate]
-        )
-        if own_frictions:
-            for place, (fit, _) in zip(problem.friction_places, separate, strict=True):
-                point[place] = fit.point[F_K]
-        points.append(point)
-    return _first(minimise(problem, points, scanned=""))
+        group = fit.decays[0].label if own_frictions else ""
+        decays += [replace(one, friction=group) for one in fit.decays]
+        known |= fit.parameters.by_key | {decays[-1].key("F_k"): fit.F_k}
+    band = next((fit.problem.band for fit in fits if fit.problem.band is not None), None)
+    problem = replace(fits[0].problem, decays=tuple(decays), band=band)
+    free = {name for fit in fits for name in fit.free}
+    surest = sorted(fits, key=lambda fit: -fit.problem.samples / (1.0 + fit.misfit))
+    near = (one for fit in surest[:3] for one in (fit, *fit.minima))
+    return _best(problem, [problem.parameters(known | one.shared, free) for one in near])

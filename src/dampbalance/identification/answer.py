@@ -266,11 +266,10 @@ def answer_of_fit(
         key: ParameterEstimate(value, error, Interval(*ends))
         for key, (value, error, ends) in numbers.items()
     }
-    places = [fit.parameters.places[key] for key in (*keys, "rho")]
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
     slopes = [1.0] * len(keys) + [-2.0 * fit.K_z**1.5]
     with np.errstate(invalid="ignore"):
-        covariance = fit.covariance[np.ix_(places, places)] * np.outer(slopes, slopes)
+        covariance = fit.covariance_of(*keys, "rho") * np.outer(slopes, slopes)
     of_fit = {
         "m_kg": fit.m,
         "m_standard_error_kg": fit.error("m"),

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import special
 
-from ..arrays import Array
 from ..balance import TERMS
 from ..findings.finding import UNBOUNDED, Finding
-from ..fit.decay import COMMON, CORNER, FALLS, FURTHER, DecayFit, departures_of, with_noise_of
-from ..fit.minimise import minimise
+from ..fit.decay import CORNER, FALLS, FURTHER, DecayFit, departures_of, with_noise_of
+from ..fit.multistart import multistart
+from ..fit.parameters import Parameters
 from ..fit.score import Departure
 from ..fit.search import sound, with_one_more
 from ..law.terms import FRICTION, KNOWN_TERMS
@@ -70,7 +70,7 @@ def with_departures(fit: DecayFit) -> tuple[DecayFit, list[Finding]]:
         if more is None or fit.chi_square - more.chi_square < 0.5 * gained:
             break
         fit = with_noise_of(more)
-    along = [s for s in fit.problem.free if s in FURTHER and s != _SPEED]
+    along = [s for s in fit.further if s != _SPEED]
     unbounded = {"F_k": math.inf, "c": math.inf}
     return fit, [_along(fit, s, unbounded if s in DECAY_TERMS else _as_well(fit, s)) for s in along]
 
@@ -102,8 +102,7 @@ def pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]:
 def _linear(basis: Any) -> bool:
     """Return whether decays show no spring that is not linear."""
     k_3 = [abs(one.size) for one in basis.departures if one.symbol == "k_3"]
-    free = basis.fit.problem.free
-    return basis.fit.white and "k_3" not in free and max(k_3, default=0.0) ** 2 < SHOWS
+    return basis.fit.white and "k_3" not in basis.fit.further and max(k_3, default=0.0) ** 2 < SHOWS
 
 
 def _likelier(fit: DecayFit, plain: Sequence[DecayFit]) -> bool:
@@ -111,9 +110,9 @@ def _likelier(fit: DecayFit, plain: Sequence[DecayFit]) -> bool:
     than chance, and with k_3.   plain : the fit with a spring, if there is one."""
     if any(one.white and not fit.white for one in plain):
         return False
-    spring, softer = replace(fit.problem, pendulum=False), fit.point.copy()
-    softer[COMMON.index("k_3")] -= fit.k / 6.0
-    rivals = [(spring.climb(fit.point), SHOWS), (spring.with_free("k_3").climb(softer), -AS_WELL)]
+    spring, here = replace(fit.problem, pendulum=False), fit.parameters
+    softer = here.freed("k_3").moved(k_3=fit.value("k_3") - fit.k / 6.0)
+    rivals = [(spring.climb(here), SHOWS), (spring.climb(softer), -AS_WELL)]
     noise = max(1.0, fit.misfit)
     return all(
         one is None or one.chi_square > fit.chi_square + noise * least for one, least in rivals
@@ -122,27 +121,22 @@ def _likelier(fit: DecayFit, plain: Sequence[DecayFit]) -> bool:
 
 def _likeliest(fit: DecayFit) -> DecayFit | None:
     """Return the fit with the further coefficient that lowers χ² most."""
-    ends = [*filter(None, [with_one_more(fit)]), *_freed(fit, fit.point, _FALLING)]
+    ends = [*filter(None, [with_one_more(fit)]), *_freed(fit, fit.parameters, _FALLING)]
     return min(ends, key=lambda one: one.chi_square, default=None)
 
 
-def _freed(
-    fit: DecayFit, start: Array, symbol: str, free: Sequence[str] | None = None
-) -> list[DecayFit]:
+def _freed(fit: DecayFit, start: Parameters, symbol: str) -> list[DecayFit]:
     """Return the fit with a further coefficient, from a start; friction that falls with the speed with that speed fixed
-    at several values, and those that explain the decays as well among its `minima`. Empty where it is free already.
-
-    free : names of the other unknowns that move; default, those of the fit.
-    """
-    if symbol in fit.problem.free:
+    at several values, and those that explain the decays as well among its `minima`. Empty where it is free already."""
+    if symbol in fit.further:
         return []
-    problem = replace(fit.problem, free=(*(fit.problem.free if free is None else free), symbol))
-    starts = [start]
+    problem, starts = fit.problem, [start.freed(symbol)]
     if symbol == _FALLING:
-        starts = [problem.falling_over(start, part) for part in FALLS]
+        top = problem.speed(start.values)
+        starts = [starts[0].moved(falling_speed=part * top) for part in FALLS]
     ends = sorted(filter(None, map(problem.climb, starts)), key=lambda one: one.chi_square)
     if ends and symbol == _FALLING:
-        with_speed = ends[0].problem.with_free(_SPEED).climb(ends[0].point)
+        with_speed = problem.climb(ends[0].parameters.freed(_SPEED))
         if with_speed is not None and with_speed.chi_square < ends[0].chi_square - _SPEED_SHOWS:
             return [with_speed]
     return [replace(ends[0], minima=tuple(ends[1:]))] if ends else []
@@ -167,11 +161,9 @@ def _as_well(fit: DecayFit, symbol: str) -> dict[str, float]:
     one."""
     doubts: dict[str, float] = {}
     of = (symbol, _SPEED) if symbol == _FALLING else (symbol,)
-    without = tuple(name for name in fit.problem.free if name not in of)
-    start = fit.point.copy()
-    start[COMMON.index(symbol)] = 0.0
+    start = fit.parameters.held(*of).moved(**{symbol: 0.0})
     for other in FURTHER:
-        for end in _freed(fit, start, other, without) if other != _SPEED else ():
+        for end in _freed(fit, start, other) if other != _SPEED else ():
             for one in (end, *end.minima):
                 if one.chi_square - fit.chi_square < (SHOWS if symbol == _FALLING else AS_WELL):
                     for name in (*TERMS, "K_z"):
@@ -215,7 +207,7 @@ def _shown(fit: DecayFit, further: Sequence[Departure]) -> list[Departure]:
     """Return the coefficients that are no chance, and can be: an AC coupling and a friction that falls have one sign,
     and with such a friction damping that falls with the speed is none but the friction at another speed."""
     positive = [_FALLING, CORNER]
-    positive += [s for s in DECAY_TERMS if _FALLING in fit.problem.free]
+    positive += [s for s in DECAY_TERMS if _FALLING in fit.further]
     return [
         one
         for one in further
@@ -297,14 +289,14 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
         if rise > _SURE * every.misfit:
             return _tested(every, terms, rise), None
         if terms not in fits:
-            others = [near.point] if near else []
-            others += [fit.point] if {FRICTION, "c"} <= {*terms} else []
+            others = [near.parameters] if near else []
+            others += [fit.parameters] if {FRICTION, "c"} <= {*terms} else []
             fits[terms] = fit_law(fit, terms, (start, *others))
         of_law = fits[terms]
         if of_law is None:
             return LawTest(terms, tests={"waveforms": None}), None
         if of_law.chi_square < every.chi_square:
-            again = fit_law(fit, DECAY_TERMS, (of_law.point,)) or every
+            again = fit_law(fit, DECAY_TERMS, (of_law.parameters,)) or every
             every = min(every, again, key=lambda one: one.chi_square)
         return _tested(every, terms, of_law.chi_square - every.chi_square, of_law), of_law
 
@@ -317,39 +309,35 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
 
 
 def fit_law(
-    fit: DecayFit, terms: Sequence[str], starts: Sequence[Array] | None = None
+    fit: DecayFit, terms: Sequence[str], starts: Sequence[Parameters] = ()
 ) -> DecayFit | None:
     """Return the oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to
     one.
 
-    terms : of `DECAY_TERMS`.   starts : points to climb from; default, that of the fit.
+    terms : of `DECAY_TERMS`.   starts : to climb from; default, that of the fit.
     """
-    kept = [
-        s for s in fit.problem.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in terms)
-    ]
-    problem = replace(fit.problem, free=(*kept, *terms))
-    points = [point.copy() for point in starts or (fit.point,)]
-    for point in points:
-        for s in DECAY_TERMS:
-            if s not in terms:
-                point[problem.friction_places if s == FRICTION else COMMON.index(s)] = 0.0
-    ends = minimise(problem, points, scanned="")
+    kept = {s for s in fit.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in terms)}
+    out = {one.key: 0.0 for one in fit.parameters if one.name in {*DECAY_TERMS} - {*terms}}
+    points = (start.by_key | out for start in starts or (fit.parameters,))
+    free = kept | {*terms}
+    ends = multistart(fit.problem, [fit.problem.parameters(one, free) for one in points])
     return ends[0] if ends else None
 
 
-def _without(every: DecayFit, symbols: Sequence[str]) -> tuple[float, Array]:
+def _without(every: DecayFit, symbols: Sequence[str]) -> tuple[float, Parameters]:
     """Return what χ² rises by without the coefficients p of some terms, to first order, pᵀ C⁻¹ p (Wald's test), and the
     point to which the other coefficients then move."""
-    point, out = every.point.copy(), [COMMON.index(s) for s in symbols]
-    others = [COMMON.index(s) for s in DECAY_TERMS if s not in symbols]
+    own, point = every.parameters, every.point.copy()
+    out = [i for i, name in enumerate(own.names) if name in symbols]
+    others = [i for i, name in enumerate(own.names) if name in DECAY_TERMS and i not in out]
     errors = np.sqrt(np.diag(every.covariance)[out])
     if not (errors > 0.0).all():
-        return 0.0, point
+        return 0.0, own
     z = point[out] / errors
     covariance = every.covariance[:, out] / errors
     solved = np.linalg.lstsq(covariance[out] / errors[:, None], z)[0]
     point[others] -= covariance[others] @ solved
-    return float(z @ solved), point
+    return float(z @ solved), own.at(point)
 
 
 def _tested(

@@ -20,11 +20,10 @@ from ..arguments import NUMBERS, number
 from ..balance import TERMS, Rows
 from ..findings.finding import Finding
 from ..findings.words import sentence
-from ..fit.decay import COMMON, FURTHER, DecayFit, departures_of, with_noise_of
+from ..fit.decay import DecayFit, departures_of, offset_of, with_noise_of
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
-from ..motion.unknowns import M
 from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
@@ -112,17 +111,17 @@ class DecayBasis:
 
     def _decay(self, i: int) -> dict[str, Any]:
         one, (turns, errors) = self.fit.decays[i], self.half_cycles.turns[i]
-        still, place = self.fit.sticks_from(i), self.fit.friction_places[i]
+        still, friction = self.fit.sticks_from(i), one.key("F_k")
         # where the spring is slack, in the channel of displacement if there is one
-        rest = next((signal.offset for signal in one.signals if signal.order == 0), None)
+        rest = next((offset_of(signal) for signal in one.signals if signal.order == 0), None)
         return {
             "decay": i + 1,
             "start_s": one.start,
             "end_s": one.end,
-            "F_k_N": self.fit.point_of(i)[0],
-            "F_k_standard_error_N": math.sqrt(self.fit.covariance[place, place]),
+            "F_k_N": self.fit.value(friction),
+            "F_k_standard_error_N": self.fit.error(friction),
             "sticks_from_s": one.start + still if math.isfinite(still) else None,
-            "rest_m": None if rest is None else self.fit.point[len(COMMON) + rest],
+            "rest_m": None if rest is None else self.fit.value(rest),
             "noise_rms": {signal.quantity: signal.noise for signal in one.signals},
             "turns_s": turns[:, 0],
             "turns_m": turns[:, 1],
@@ -361,10 +360,7 @@ def _signal(record: Record, channel: Channel, offset: int, warnings: list[Findin
 
 def _with_mass(fit: DecayFit, mass: float) -> DecayFit | None:
     """Return the fit with a mass that is given, from the same minimum."""
-    start = fit.point.copy()
-    start[M] = mass
-    free = tuple(name for name in fit.problem.free if name != "m")
-    return replace(fit.problem, free=free).climb(start)
+    return fit.problem.climb(fit.parameters.held("m").moved(m=mass))
 
 
 def _solved(
@@ -421,7 +417,7 @@ def _solved(
     # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
     wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
-    if fit.white and not clipped_signals and not set(fit.problem.free) & set(FURTHER):
+    if fit.white and not clipped_signals and not fit.further:
         warnings = [*warnings, *contradiction(answer, fit, USELESS, wider)]
     conditions, effects = _scatter_of(fit), dict[str, float]()
     if not doubts:
@@ -455,8 +451,8 @@ def _scatter_of(fit: DecayFit) -> list[Finding]:
     """Return a finding on the friction forces of the decays where they do not share one."""
     if fit.frictions.size == 1:
         return []
-    mean, errors = fit.friction, np.sqrt(np.diag(fit.covariance)[fit.friction_places])
-    forces = tuple(zip(fit.frictions.tolist(), errors.tolist(), strict=True))
+    mean, keys = fit.friction, dict.fromkeys(one.key("F_k") for one in fit.decays)
+    forces = tuple((fit.value(key), fit.error(key)) for key in keys)
     of_mean = {"scatter": mean.scatter, "share": mean.scatter / mean.value}
     return [Finding("friction differs", {"forces": forces, **of_mean})]
 

@@ -50,9 +50,8 @@ _DEGREE = 4  # of the smoothing polynomial: over that window it meets a harmonic
 _MOST_HALVES = 200  # their covariance takes a tenth of a second, and few decays show more
 _SLIPS = 1.5  # sticks 2Z_m that a swing must have: the mass then slips in every half cycle
 _PASSES = 4  # corrections of the baseline: each leaves the square of the one before
-_HALVES_A_BEND = (
-    6  # half cycles for each parameter of the baseline: of fewer, it would follow the decay
-)
+# half cycles for each parameter of the baseline: of fewer, it would follow the decay
+_HALVES_A_BEND = 6
 _AT_REST = 2.0  # times the noise: the scatter of the last cycle where the mass is at rest
 # standard errors of the baseline by which the rows leave it free: more change nothing
 _FREE = 10.0
@@ -101,7 +100,7 @@ class DecayRows:
 def rows_of(fit: DecayFit) -> DecayRows:
     """Return the rows of all decays of a fit, which gives them k, Z_m, the period and samples that are missing, and
     nothing else."""
-    forces = [float(fit.point_of(i)[0]) for i in range(len(fit.decays))]
+    forces = [fit.value(one.key("F_k")) for one in fit.decays]
     numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
     columns, decays, swings, turns = [np.empty((0, 3))], [], [], []
     for i, (one, F_k) in enumerate(zip(_without_gaps(fit), forces, strict=True)):

@@ -28,7 +28,7 @@ from ..figures.style import (
     place,
     styled,
 )
-from ..fit.decay import COMMON, DecayFit
+from ..fit.decay import DecayFit, offset_of
 from ..fit.waveforms import WaveformFit
 from ..project.wording import cut
 from ..records.channel import ORDERS
@@ -214,7 +214,7 @@ def decays(fit: DecayFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) 
         axes.plot(t, factor * (values + residual * signal.noise), **look)
         if signal.order == 0:
             t_turn, x_turn = turns[i][0].T
-            x = factor * (x_turn + float(fit.point[len(COMMON) + signal.offset]))
+            x = factor * (x_turn + fit.value(offset_of(signal)))
             rings: dict[str, Any] = {"markersize": 2.5, "fillstyle": "none", "label": "turns"}
             axes.plot(t_turn, x, "o", color=STICK, **rings)
         _with_residual(axes, below, t, residual, (one.start, end), of.label(symbol, unit))
