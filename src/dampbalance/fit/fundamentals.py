@@ -335,6 +335,9 @@ def _fitted(problem: Fundamentals, start: Array) -> _End | None:
     motion = np.array([one.x[0] for one in problem.lines])
     free = np.flatnonzero(problem.free[: len(problem.names)])
     correction, point, best = np.zeros_like(Z), start, None
+    rubs = np.array([name == FRICTION for name in problem.unknowns.names])
+    low = np.where(rubs, 1e-9 * start, problem.unknowns.low)
+    unknowns = replace(problem.unknowns, low=low)
 
     def products(at: Array, out: Array) -> bool:
         whole = np.zeros((at.size + 1, Z.size), dtype=np.complex128)
@@ -346,7 +349,7 @@ def _fitted(problem: Fundamentals, start: Array) -> _End | None:
     # the correction is a few per cent, and falls by a factor of ten each time
     for _ in range(8):
         # a gain of 4 % of a standard error of the noise, and less of the scatter
-        reached = climb(products, problem.unknowns.at(point), gain=1e-3)
+        reached = climb(products, unknowns.at(point), gain=1e-3)
         if reached is None:
             break
         point = reached.point.copy()
