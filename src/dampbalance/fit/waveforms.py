@@ -59,7 +59,7 @@ TURNS_PER_EVALUATION = 200.0
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
 _MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on takes long
 _SMALL = 1e-3  # of the drive: the force of a damper that counts as none
-_LEAST = 1e-12  # of the drive and of its mass k/ω²: the least friction and mass
+_LEAST = 1e-9  # of the friction that takes all work, and of the mass k/ω²: the least of both
 _GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 # Odd harmonics of the waveform: beyond them lies less than 1e-6 of its velocity.
 _HARMONICS_OF_WAVEFORM = 128
@@ -111,7 +111,7 @@ class HarmonicProblem:
         rows = []
         for key in self.law.keys:
             value, free = self.law.given.get(key, 0.0), key not in self.law.given
-            low = 0.0 if key in scale else _LEAST * self.k * Y
+            low = 0.0 if key in scale else _LEAST * float(max(self._rubbed))
             rows.append(
                 Parameter(
                     key.symbol,
@@ -161,16 +161,19 @@ class HarmonicProblem:
         into friction; the work of the terms that are not given, over the median of the records."""
         law, lines = self.law, self.lines
         labels = law.groups.get(FRICTION, ("",) * len(lines))
-        alone = np.array(
-            [max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines]
-        )
-        means = {label: alone[[other == label for other in labels]].mean() for label in labels}
+        means = {label: self._rubbed[[other == label for other in labels]].mean() for label in labels}
         force = np.array([means[label] for label in labels])
         equivalents = [self.equivalents(s) for s in law.terms[1:] if s not in law.given]
         damping = np.ones(len(lines))
         if equivalents:
             damping = np.mean([np.median(of) / of for of in equivalents], axis=0)
         return Shares(force / np.mean(list(means.values())), damping)
+
+    @cached_property
+    def _rubbed(self) -> Array:
+        """Friction force of each record if all of its work went into friction, N, (n,)."""
+        sines = [max(-one.x[0].imag / abs(one.x[0]), 1e-9) for one in self.lines]
+        return np.array([self.k * one.Y * sine for one, sine in zip(self.lines, sines, strict=True)])
 
     @property
     def samples(self) -> int:
