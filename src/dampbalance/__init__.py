@@ -15,7 +15,13 @@ if TYPE_CHECKING:
     from .identification.forced import friction_loops, identify_forced
     from .identification.result import Result
     from .joints.answer import damping_at
-    from .measured import identify, identify_joint, identify_loops, read_records
+    from .measured import (
+        identify,
+        identify_friction_speed,
+        identify_joint,
+        identify_loops,
+        read_records,
+    )
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -57,6 +63,7 @@ __all__ = [
     "identify",
     "identify_decays",
     "identify_forced",
+    "identify_friction_speed",
     "identify_joint",
     "identify_loops",
     "measured_orbit",
@@ -78,7 +85,13 @@ _MODULES = {
     "identification.forced": ("friction_loops", "identify_forced"),
     "identification.result": ("Result",),
     "joints.answer": ("damping_at",),
-    "measured": ("identify", "identify_joint", "identify_loops", "read_records"),
+    "measured": (
+        "identify",
+        "identify_friction_speed",
+        "identify_joint",
+        "identify_loops",
+        "read_records",
+    ),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

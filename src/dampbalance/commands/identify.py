@@ -109,7 +109,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
     stepped = None if options.kind == "recognised" else options.kind == "stepped-sine"
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
     known = mapping_for(options.records[0], getattr(options, "mapping", None))
-    known = replace(known, free=options.kind == "ring-down")
+    known = replace(known, kind=options.kind)
     text = mapping_to_start_from(options.records[0], known, stepped)
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")

@@ -64,8 +64,9 @@ def draft(of: Guesses) -> Iterator[str]:
         if (value := getattr(of.mapping, key)) not in (None, ""):
             yield f"{key}: {json.dumps(value, ensure_ascii=False)}"
     if not of.stepped:
-        may_be = [q for guess in of.all.values() for q in (guess.quantity, *guess.may) if q]
-        yield from _time(of, is_loop(may_be) and not of.mapping.free)
+        may_be = {q: i for i, g in of.all.items() for q in (g.quantity, *g.may) if q}
+        loop = is_loop(may_be) and not of.mapping.free
+        yield from _time(of, loop or of.of_speeds(may_be))
     elif of.per_force and not driving and not of.mapping.force_N:
         yield f'force_N: "{BLANK}"  # the amplitude of the force: the file has none'
     read = {of.keys[i] for i in chosen.values()} if of.stepped else set()  # of all levels

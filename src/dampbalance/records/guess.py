@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -82,6 +82,7 @@ RESPONSE = (
 _ONE = 0.1  # relative: a derivative, by its units
 _GRAVITY = 9.80665  # m/s²
 _OF_LOOP = "displacement", "force"
+_OF_SPEEDS = "force", "velocity"
 _GOES_ROUND = "they go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
 
@@ -166,7 +167,9 @@ class Guesses:
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
         if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
             return named
-        others = [i for i, raw in enumerate(self.channels) if quantity_of(raw) is None]
+        others = [
+            i for i, raw in enumerate(self.channels) if not (quantity_of(raw) or by_unit(raw))
+        ]
         rising = [i for i in others if samples.equal_step(self.values[i]) is not None]
         return [i for i in rising if not samples.counts(self.values[i])]
 
@@ -265,6 +268,16 @@ class Guesses:
         """Return whether the record is of a decay, as one of its channels shows."""
         return self.mapping.free or samples.dies_out(self.values[i])
 
+    def of_speeds(self, columns: Mapping[str, int]) -> bool:
+        """Return whether a record is a table of forces at steady speeds, which needs no times, by its columns: quantity
+        → number."""
+        if not {*_OF_SPEEDS} == {*columns} - {*ACCOMPANYING} or self.mapping.free:
+            return False
+        timed = self.mapping.sample_rate_hz or self.times or self.channels[columns["force"]].rate_hz
+        return self.mapping.steady or bool(
+            not timed and samples.steady_speeds(self.values[columns["velocity"]])
+        )
+
     # --- what each column holds ------------------------------------------------------------------------------------
 
     @cached_property
@@ -279,7 +292,11 @@ class Guesses:
         rest = [i for i, of in found.items() if of.reason in _LEVELS and i not in named]
         alone = len(named) == 1 and not rest
         driven = len(driving) == 1 and self._words(driving[0]) != {"y"}
-        if clear and answering and (driven or alone):
+        held = {i: of.quantity for i, of in found.items() if of.quantity}
+        speeds = {quantity: i for i, quantity in held.items()}
+        if len(speeds) == len(held) and self.of_speeds(speeds):
+            self._leave(found, found.keys() - held.keys(), _TAKEN)
+        elif clear and answering and (driven or alone):
             self._leave(found, found.keys() - named.keys(), _TAKEN)
         else:
             self._look(found)
