@@ -28,6 +28,10 @@ Loops of force against displacement, from a test machine, need no stiffness:
 
   dampbalance identify loops.csv
 
+A table of mean forces or torques at steady speeds in both directions, of a robot joint or a tribometer, without times:
+
+  dampbalance identify speeds.csv
+
 Numbers may have a unit, and k, m and the normal force a standard uncertainty: "5.2 N/mm ± 1 %", 2310±10, "210 rpm".
 
 The exit status is 0 with an answer, 1 where the records give none (the cause is shown first), 2 for an error.

@@ -139,19 +139,19 @@ def identify_friction_speed(
     fit, other, p = _taken(data)
     if flipped := _loss(fit) < 0.0:
         fit, other, p = _taken(replace(data, F=-data.F))
-    data, speeds, falls = fit.problem.data, data.sizes, "F_S" in _free(fit)
+    answer, speeds, words = _answer(fit, other), data.sizes, read[0].coordinate
     found = Result(
-        basis=SpeedBasis(data, fit, p, rows),
+        basis=SpeedBasis(fit.problem.data, fit, p, rows),
         k=math.nan,
         sources=tuple(rows),
-        estimates={"falling friction" if falls else "line": _answer(fit, other)},
+        estimates={answer.name: answer},
         odd=tuple(_odd(read, still, flipped)),
         head=(
-            f"{data.v.size} mean forces at steady speeds from {speeds[0]:.3g} to {speeds[-1]:.3g} "
-            f"{read[0].coordinate.unit('m/s')}, with 95 % intervals"
+            f"{data.v.size} mean {words.noun('forces')} at steady speeds from {speeds[0]:.3g} to {speeds[-1]:.3g} "
+            f"{words.unit('m/s')}, with 95 % intervals"
         ),
-        rig=[*_rig(fit)],
-        check=[Finding("fall tested", {"p": p, "falls": falls})] if p < 1.0 else [],
+        rig=(),
+        check=[*_rig(fit, p)],
         records=tuple(read),
         options=of,
     )
@@ -240,7 +240,7 @@ def _answer(fit: SpeedFit, other: SpeedFit | None) -> Answer:
     known = [s for s, p in parameters.items() if p is not UNKNOWN]
     at = [fit.parameters.places[s] for s in known]
     covariance = covariance_of(parameters, known, fit.covariance[np.ix_(at, at)])
-    name = "falling friction" if "F_S" in free else "line"
+    name = "Stribeck" if "F_S" in free else "Coulomb"
     return Answer(name, parameters, covariance, tuple(notes), merit=merit)
 
 
@@ -274,11 +274,14 @@ def _odd(records: Sequence[Record], still: int, flipped: bool) -> Iterator[Findi
         yield Finding("flipped", {"records": listed([record.name for record in records])})
 
 
-def _rig(fit: SpeedFit) -> Iterator[Finding]:
-    """Yield findings on the other numbers of the law, and on what steady speeds do not show."""
+def _rig(fit: SpeedFit, p: float) -> Iterator[Finding]:
+    """Yield findings on the other numbers of the law, and on what steady speeds do not show.   p : that scatter alone
+    looks like a fall."""
     of = {name: (fit.value(name), fit.error(name)) for name in _FURTHER}
     if "T_0" in _free(fit):
         yield Finding("offset", {"offset": of["T_0"]})
     if "F_S" in _free(fit):
-        yield Finding("Stribeck", {name: of[name] for name in ("F_S", "v_S")})
+        yield Finding("Stribeck", {**of, "p": p})
+    elif p < 1.0:
+        yield Finding("no fall", {"p": p})
     yield Finding("no K_z")
