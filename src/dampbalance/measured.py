@@ -93,18 +93,18 @@ def identify(
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
     The records are recognised and handed over: forced records to `identify_forced`, free decays to `identify_decays`,
-    tables of a stepped sine to `identify_joint`, measured loops to `identify_loops`, tables of friction at steady speeds
-    to `identify_friction_speed`. Their signatures are the options that apply; one at its default may be given for any
-    kind.
+    tables of a stepped sine to `identify_joint`, measured loops to `identify_loops`, tables of friction at steady
+    speeds to `identify_friction_speed`. Their signatures are the options that apply; one at its default may be given
+    for any kind.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
     stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
     and c. Only tables of responses to a force, measured loops and steady speeds do without.
     mapping : what the records do not say of their channels, where they are read here.
-    kind : "forced", "ring-down", "stepped-sine", "loops" or "friction-speed", where it is not to be recognised: tables
-    by their columns of frequency and phase, or of velocity and force in both directions without times; measured loops by
-    force and displacement or velocity where neither stiffness nor mass is given, forced records by an excitation channel
-    that keeps moving.
+    kind : "forced", "ring-down", "stepped-sine", "loops" or "friction-speed", where it is not to be recognised:
+    tables by their columns of frequency and phase, or of velocity and force in both directions without times; measured
+    loops by force and displacement or velocity where neither stiffness nor mass is given, forced records by an
+    excitation channel that keeps moving.
     {options}
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option

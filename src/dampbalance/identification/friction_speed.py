@@ -40,7 +40,7 @@ from .stated import with_stated_uncertainties
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
-_P_OTHER = 1e-3  # that scatter alone follows the speed as much as a residual does
+_P_OTHER = 0.01  # that scatter alone follows the speed as much as a residual does
 _FEWEST = 4  # rows
 _PARTS = 6  # of the range of speeds, over whose averages a residual shows
 
@@ -51,8 +51,8 @@ _PARTS = 6  # of the range of speeds, over whose averages a residual shows
 class SpeedBasis:
     """What the answer to steady speeds rests on.
 
-    data : of all tables.   fit : of the law that is taken.   p_fall : probability that scatter alone looks like friction
-    that falls with the speed as much.   rows : number of rows of each table.
+    data : of all tables.   fit : of the law that is taken.   p_fall : probability that scatter alone looks like a
+    friction that falls with the speed.   rows : number of rows of each table.
     """
 
     data: SteadySpeeds
@@ -86,8 +86,8 @@ class SpeedBasis:
     def shifts(
         self, found: Result[Any], faults: Mapping[str, Fault], name: str
     ) -> dict[str, dict[str, float]]:
-        """Return the changes with faults of gain: both numbers are in proportion to the force, and c inversely so to the
-        speed."""
+        """Return the changes with faults of gain: both numbers are in proportion to the force, and c inversely so to
+        the speed."""
         return {
             what: {FRICTION: fault.drive, "c": fault.drive - fault.response}
             for what, fault in faults.items()
@@ -109,14 +109,16 @@ def identify_friction_speed(
     mapping: MappingLike = None,
     **options: Unpack[SpeedOptions],
 ) -> Result[SpeedBasis]:
-    """Identify F_k and c from a table of mean forces, or torques, at steady speeds in both directions: of a robot joint,
-    a motor, a bearing or a tribometer. Use it where friction was measured speed by speed; K_z does not show there.
+    """Identify F_k and c from a table of mean forces, or torques, at steady speeds in both directions.
+
+    Use it for a robot joint, a motor, a bearing or a tribometer whose friction was measured speed by speed; K_z does
+    not show there. The law is
 
         T = [F_k + F_S e^{−(v/v_S)²}] sgn v + c v + T_0
 
-    T_0 is an offset of the sensor, or gravity; friction that differs between the directions by 2T_0 looks alike. The fall
-    of the friction with the speed (Stribeck) is taken where the data show it clearly. Errors follow from the scatter
-    about the law, or from a column of standard errors if they cover it.
+    T_0 is an offset of the sensor, or gravity; friction that differs between the directions by 2T_0 looks alike. The
+    fall of the friction with the speed (Stribeck) is taken where the data show it clearly. Errors follow from the
+    scatter about the law, or from a column of standard errors if they cover it.
 
     records : as `read_records` returns or takes them, a row for each speed, with a velocity and a force or torque, one
     table or several of one contact. Reduce samples in time to a mean at each steady speed beforehand.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -25,7 +27,7 @@ def speeds(data: SteadySpeeds, fit: SpeedFit, of: Coordinate) -> Figure:
             if not own.any():
                 continue
             v, F = data.v[own], data.F[own]
-            look = {"color": SLIP, "markerfacecolor": colour, "markersize": 3.0}
+            look: dict[str, Any] = {"color": SLIP, "markerfacecolor": colour, "markersize": 3.0}
             named = f"measured, {'positive' if way > 0.0 else 'negative'} direction"
             axes.plot(sign * v, sign * (F - offset), "o", label=named, **look)
             lower.plot(sign * v, sign * (F - law(fit.point, v)[0]), "o", **look)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -58,6 +58,7 @@ from .units import (
     find_other,
     find_unit,
 )
+from .untimed import OF_LOOP, of_speeds
 
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
@@ -81,8 +82,6 @@ RESPONSE = (
 )
 _ONE = 0.1  # relative: a derivative, by its units
 _GRAVITY = 9.80665  # m/s²
-_OF_LOOP = "displacement", "force"
-_OF_SPEEDS = "force", "velocity"
 _GOES_ROUND = "they go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
 
@@ -107,11 +106,6 @@ def first_of(names: Sequence[str]) -> str:
     """Return names in a row, the first 20 of them."""
     more = len(names) - LISTED
     return ", ".join(names[:LISTED]) + f" and {more} more" * (more > 0)
-
-
-def is_loop(quantities: Iterable[str]) -> bool:
-    """Return whether a record of these quantities is a measured loop, which needs no times."""
-    return {*_OF_LOOP} <= {*quantities} <= {*_OF_LOOP, "velocity", *ACCOMPANYING}
 
 
 class Guesses:
@@ -268,16 +262,6 @@ class Guesses:
         """Return whether the record is of a decay, as one of its channels shows."""
         return self.mapping.free or samples.dies_out(self.values[i])
 
-    def of_speeds(self, columns: Mapping[str, int]) -> bool:
-        """Return whether a record is a table of forces at steady speeds, which needs no times, by its columns: quantity
-        → number."""
-        if not {*_OF_SPEEDS} == {*columns} - {*ACCOMPANYING} or self.mapping.free:
-            return False
-        timed = self.mapping.sample_rate_hz or self.times or self.channels[columns["force"]].rate_hz
-        return self.mapping.steady or bool(
-            not timed and samples.steady_speeds(self.values[columns["velocity"]])
-        )
-
     # --- what each column holds ------------------------------------------------------------------------------------
 
     @cached_property
@@ -294,7 +278,7 @@ class Guesses:
         driven = len(driving) == 1 and self._words(driving[0]) != {"y"}
         held = {i: of.quantity for i, of in found.items() if of.quantity}
         speeds = {quantity: i for i, quantity in held.items()}
-        if len(speeds) == len(held) and self.of_speeds(speeds):
+        if len(speeds) == len(held) and of_speeds(self, speeds):
             self._leave(found, found.keys() - held.keys(), _TAKEN)
         elif clear and answering and (driven or alone):
             self._leave(found, found.keys() - named.keys(), _TAKEN)
@@ -410,7 +394,7 @@ class Guesses:
         if known or len(unnamed) != 2 or any(of.quantity for of in found.values()):
             return
         if samples.go_round(*(self.values[i] for i in unnamed)):
-            found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=_OF_LOOP))
+            found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=OF_LOOP))
 
     def _ask(
         self, found: dict[int, Guess], columns: Iterable[int], drives: Sequence[int] = ()

@@ -180,8 +180,8 @@ def quantity_of(
     if {*words} & {*_NORMAL} and by_unit(raw) == "force":
         return "normal_force"
     if {*words} & _OF_ERRORS:
-        rest = replace(raw, name=" ".join(word for word in words if word not in _OF_ERRORS))
-        if quantity_of(rest) == "force":
+        others = [word for word in words if word not in _OF_ERRORS]
+        if quantity_of(replace(raw, name=" ".join(others))) == "force":
             return f"force{STANDARD_ERROR}"
     words = [word for word in words if word != _PASSED_OVER and not word.isdigit()] or words
     rest = [word for word in words if word not in AXES]  # an axis beside a quantity

@@ -41,7 +41,8 @@ def as_records(
 ) -> tuple[Record, ...]:
     """Return records as `dampbalance.read_records` does, whose arguments these are.
 
-    kind : that the records are known to be of; "" for none.   reader : gives the record of an open table that is of its kind, and None for others; tried before channels are
+    kind : that the records are known to be of; "" for none.
+    reader : gives the record of an open table that is of its kind, and None for others; tried before channels are
     looked for.
     """
     single = isinstance(records, str | Path | Record) or is_table(records)

@@ -24,12 +24,13 @@ from .clock import Clock, clock_of, left_out
 from .coordinate import TRANSLATION, Coordinate
 from .draft import unclear
 from .errors import RecordError, RecordWarning
-from .guess import BY_UNIT, Guesses, first_of, is_loop
+from .guess import BY_UNIT, Guesses, first_of
 from .headings import unit_of
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import Table
 from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
+from .untimed import is_loop, of_speeds
 
 _BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
@@ -91,7 +92,7 @@ def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
             raise unclear(guesses, question)
         rules = guesses.rules
     found = {q: guesses.find(of.channel, f"channels.{q}.channel")[0] for q, of in rules.items()}
-    untimed = is_loop(found) and not mapping.free, guesses.of_speeds(found)
+    untimed = is_loop(found) and not mapping.free, of_speeds(guesses, found)
     picks = tuple(_pick(guesses, q, found[q], rules[q], *untimed) for q in QUANTITIES if q in found)
     for said in () if mapping.channels else _said(guesses, picks):
         warnings.warn(RecordWarning(guesses.path, said), stacklevel=2)

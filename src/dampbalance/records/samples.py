@@ -168,7 +168,7 @@ def steady_speeds(values: Array) -> bool:
     way = values[np.isfinite(values) & (values != 0.0)] > 0.0
     passes = np.count_nonzero(np.diff(way))
     moves = way.size >= _ENOUGH and _PASSES < passes < way.size / _PER_PASS
-    return passes > 0 and not moves
+    return bool(passes and not moves)
 
 
 def go_round(values: Array, other: Array) -> bool:
