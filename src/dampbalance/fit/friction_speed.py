@@ -10,7 +10,7 @@ the mean is that of the law alone. The scatter about the law gives the errors.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from ..arrays import Array, Mask
 from .climb import Climb
 from .errors import inverse_information
 from .fit import Fit
-from .multistart import Trail, multistart
+from .multistart import Trail, climb_on, multistart
 from .parameters import Parameter, Parameters
 
 P_FALL, P_HINT = 1e-3, 0.05
@@ -154,8 +154,14 @@ def fit_speeds(data: SteadySpeeds) -> tuple[SpeedFit, SpeedFit | None, float]:
         return line, None, 1.0
     (fall, *_) = multistart(problem, starts(data, falls=True))
     gain = (line.chi_square - fall.chi_square) / 2.0
-    left = max(fall.misfit, _EXACT**2 * float(np.ptp(data.F) / data.error.min()) ** 2)
-    return line, fall, float(special.fdtrc(2.0, fall.freedom, max(0.0, gain / left)))
+    exact = _EXACT * float(np.abs(data.F).max() / data.error.min())
+    left = max(fall.misfit, exact**2)
+    p = float(special.fdtrc(2.0, fall.freedom, max(0.0, gain / left)))
+    if not data.stated:  # the climb is to end close to the optimum in terms of the scatter about it
+        own = SpeedProblem(replace(data, error=data.error * math.sqrt(left)))
+        end = climb_on(own, fall.parameters)
+        fall = fall if end is None else own.fit(end)
+    return line, fall, p
 
 
 def with_scatter(v: Array, F: Array, stated: Array | None) -> SteadySpeeds:
