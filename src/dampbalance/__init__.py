@@ -13,15 +13,10 @@ if TYPE_CHECKING:
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.decays import identify_decays
     from .identification.forced import friction_loops, identify_forced
+    from .identification.friction_speed import identify_friction_speed
     from .identification.result import Result
     from .joints.answer import damping_at
-    from .measured import (
-        identify,
-        identify_friction_speed,
-        identify_joint,
-        identify_loops,
-        read_records,
-    )
+    from .measured import identify, identify_joint, identify_loops, read_records
     from .model import BaseMotion, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
@@ -83,15 +78,10 @@ _MODULES = {
     "identification.answer": ("Answer", "Interval", "ParameterEstimate", "Verdict"),
     "identification.decays": ("identify_decays",),
     "identification.forced": ("friction_loops", "identify_forced"),
+    "identification.friction_speed": ("identify_friction_speed",),
     "identification.result": ("Result",),
     "joints.answer": ("damping_at",),
-    "measured": (
-        "identify",
-        "identify_friction_speed",
-        "identify_joint",
-        "identify_loops",
-        "read_records",
-    ),
+    "measured": ("identify", "identify_joint", "identify_loops", "read_records"),
     "model": ("BaseMotion", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),

@@ -11,7 +11,7 @@ from .arguments import one_of
 from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
-from .identification.friction_speed import identify_friction_speed as identify_friction_speed
+from .identification.friction_speed import identify_friction_speed
 from .identification.loading import keeps_moving
 from .identification.result import Result
 from .joints.answer import identify_joint as identify_joint

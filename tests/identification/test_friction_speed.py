@@ -78,7 +78,7 @@ def test_the_order_of_the_rows_and_their_files_do_not_matter(tmp_path):
         assert found.values == pytest.approx(one, rel=1e-9)
 
 
-def test_a_column_of_standard_errors_weights_the_rows():
+def test_a_column_of_standard_errors_weights_the_rows(tmp_path):
     v, F = table(4)
     error = np.where(np.arange(v.size) % 2 == 0, NOISE, 30.0 * NOISE)
     F = F + 30.0 * NOISE * np.random.default_rng(5).normal(size=v.size) * (error > NOISE)
@@ -89,6 +89,13 @@ def test_a_column_of_standard_errors_weights_the_rows():
     assert 10.0 < ratio < 30.0  # half of the rows have all of the weight: 30 √½
     low, high = weighted.intervals["F_k"]
     assert low < TRUE["F_k"] < high
+    path, mapping = (
+        written(tmp_path / "t.csv", {**rows, "torque std (N m)": error}),
+        tmp_path / "m.yaml",
+    )
+    assert main(["identify", path, "--write-mapping", str(mapping)]) == 0
+    assert identify(path, mapping=mapping).values == identify(path).values
+    assert identify(path).values == pytest.approx(weighted.values, rel=1e-6)
 
 
 def test_friction_that_falls_with_the_speed_is_taken_and_said():

@@ -118,7 +118,8 @@ def _write_mapping(options: argparse.Namespace) -> None:
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
         blanks = f'{BLANK}"' in text
-        mapping = None if blanks else replace(read_mapping(unfinished), source=str(file))
+        of_file = {"source": str(file), "kind": options.kind}
+        mapping = None if blanks else replace(read_mapping(unfinished), **of_file)
         for record in options.records if mapping and mapping.channels else ():
             quantities_of(record, mapping)
     is_usual = all(find_mapping(record) == file for record in options.records)

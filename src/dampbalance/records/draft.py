@@ -50,7 +50,8 @@ def draft(of: Guesses) -> Iterator[str]:
         i = chosen[quantity]
         name = quantity if of.stepped else of.coordinate(i).key(quantity)
         stated, remark = _in_unit(of, i, quantity)
-        if (error := chosen.get(quantity + STANDARD_ERROR)) is not None:
+        error = chosen.get(quantity + STANDARD_ERROR)
+        if of.stepped and error is not None:
             stated += f", standard_error: {_which(of, error)}"
         if quantity in ABSOLUTE and driving - {"force"} and of.all[i].reason in UNNAMED:
             remark = f"; relative_{name} if measured against the base{remark}"
