@@ -47,7 +47,7 @@ def test_what_is_held_has_no_part_in_the_products():
 @pytest.mark.parametrize("stated", [False, True], ids=["scatter", "stated"])
 @pytest.mark.parametrize(("pairs", "F_S"), [(60, 0.0), (5, 0.0), (60, 0.5)])
 def test_intervals_hold_the_truth_as_often_as_they_say(pairs, F_S, stated):
-    runs, held = 200, dict.fromkeys(TRUE, 0)
+    runs, held = 150, dict.fromkeys(TRUE, 0)
     for seed in range(runs):
         v, F = table(seed, pairs, F_S=F_S)
         line, fall, p = fit_speeds(with_scatter(v, F, np.full(v.size, NOISE) if stated else None))
@@ -62,8 +62,8 @@ def test_intervals_hold_the_truth_as_often_as_they_say(pairs, F_S, stated):
 
 
 def test_scatter_looks_like_a_fall_as_rarely_as_the_test_says():
-    chances = [fit_speeds(with_scatter(*table(seed, 20), None))[2] for seed in range(400)]
-    low, high = binom.ppf([1e-4, 1.0 - 1e-4], 400, [0.02, 0.06])
+    chances = [fit_speeds(with_scatter(*table(seed, 20), None))[2] for seed in range(300)]
+    low, high = binom.ppf([1e-4, 1.0 - 1e-4], 300, [0.02, 0.06])
     assert low <= np.count_nonzero(np.array(chances) < 0.05) <= high
     assert min(chances) > 1e-6
 

@@ -96,6 +96,9 @@ def test_a_column_of_standard_errors_weights_the_rows(tmp_path):
     assert main(["identify", path, "--write-mapping", str(mapping)]) == 0
     assert identify(path, mapping=mapping).values == identify(path).values
     assert identify(path).values == pytest.approx(weighted.values, rel=1e-6)
+    some = identify({**rows, "torque_std_N_m": np.where(v > 0.0, error, 0.0)})
+    assert "errors not used" in codes(some)
+    assert some.values == plain.values
 
 
 def test_friction_that_falls_with_the_speed_is_taken_and_said():
@@ -127,6 +130,10 @@ def test_one_direction_leaves_friction_and_offset_one_number():
     both, error = one.numbers["sum"]
     assert abs(both - TRUE["F_k"] - TRUE["T_0"]) < 3.0 * error
     assert not found.no_answer
+    lifted = identify({"v_rad_per_s": v[:60], "torque_N_m": F[:60] - 5.0}, kind="friction-speed")
+    assert lifted.values["c"] == pytest.approx(found.values["c"], rel=1e-6)
+    turned = identify({"v_rad_per_s": v[:60], "torque_N_m": -F[:60]}, kind="friction-speed")
+    assert turned.values["c"] == pytest.approx(found.values["c"], rel=1e-9)
 
 
 def test_one_size_of_speed_leaves_friction_and_damping_one_number():

@@ -139,7 +139,7 @@ def identify_friction_speed(
     read, of = read_request("friction-speed", records, mapping, {"stiffness": stiffness, **options})
     data, rows, still = _data(read)
     fit, other, p = _taken(data)
-    if flipped := _loss(fit) < 0.0:
+    if flipped := _gains(fit):
         fit, other, p = _taken(replace(data, F=-data.F))
     answer, speeds, words = _answer(fit, other), data.sizes, read[0].coordinate
     found = Result(
@@ -147,7 +147,7 @@ def identify_friction_speed(
         k=math.nan,
         sources=tuple(rows),
         estimates={answer.name: answer},
-        odd=tuple(_odd(read, still, flipped)),
+        odd=tuple(_odd(read, data, still, flipped)),
         head=(
             f"{data.v.size} mean {words.noun('forces')} at steady speeds from {speeds[0]:.3g} to {speeds[-1]:.3g} "
             f"{words.unit('m/s')}, with 95 % intervals"
@@ -205,10 +205,12 @@ def _free(fit: SpeedFit) -> list[str]:
     return [one.name for one in fit.parameters if one.free]
 
 
-def _loss(fit: SpeedFit) -> float:
-    """Return the power that the law takes at all speeds together, without its offset, W."""
-    v = fit.problem.data.v
-    return float((law(fit.point, v)[0] - fit.value("T_0")) @ v)
+def _gains(fit: SpeedFit) -> bool:
+    """Return whether the law gives power at all speeds together, without its offset; where this cannot be separated,
+    the damping is to give some, too."""
+    data = fit.problem.data
+    power = (law(fit.point, data.v)[0] - fit.value("T_0")) @ data.v
+    return bool(power < 0.0 and (data.both_ways or fit.value("c") < 0.0))
 
 
 def _answer(fit: SpeedFit, other: SpeedFit | None) -> Answer:
@@ -266,10 +268,14 @@ def _departure(fit: SpeedFit) -> Iterator[Finding]:
         yield Finding("other law of speed", {"size": size, "p": p}, effect)
 
 
-def _odd(records: Sequence[Record], still: int, flipped: bool) -> Iterator[Finding]:
+def _odd(
+    records: Sequence[Record], data: SteadySpeeds, still: int, flipped: bool
+) -> Iterator[Finding]:
     """Yield findings on the records."""
     for record in records:
         yield from (one.about(record.name) for one in record.warnings)
+    if any(_ERROR in record for record in records) and not data.stated:
+        yield Finding("errors not used")
     if still:
         yield Finding("rows at rest", {"rows": still, "many": still > 1})
     if flipped:
