@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from .identification.answer import Answer, Interval, ParameterEstimate, Verdict
     from .identification.decays import identify_decays
     from .identification.forced import friction_loops, identify_forced
+    from .identification.friction_speed import identify_friction_speed
     from .identification.loops import (
         friction_coefficient,
         identify_loops,
@@ -65,6 +66,7 @@ __all__ = [
     "identify",
     "identify_decays",
     "identify_forced",
+    "identify_friction_speed",
     "identify_joint",
     "identify_loops",
     "loop_contact",
@@ -91,6 +93,7 @@ _MODULES = {
         *("friction_coefficient", "identify_loops"),
         *("loop_contact", "loop_history", "loop_sliders"),
     ),
+    "identification.friction_speed": ("identify_friction_speed",),
     "identification.result": ("Result",),
     "identification.stepped_sine": ("damping_at",),
     "measured": ("identify", "identify_joint", "read_records"),

@@ -11,6 +11,7 @@ from .arguments import one_of
 from .findings.finding import Finding
 from .identification.decays import identify_decays
 from .identification.forced import identify_forced
+from .identification.friction_speed import identify_friction_speed
 from .identification.loading import keeps_moving
 from .identification.loops import identify_loops
 from .identification.result import Result
@@ -25,15 +26,16 @@ from .records.stepped_sine import read_lines
 if TYPE_CHECKING:
     from .records.measured import RecordLike
 
-Kind = Literal["recognised", "forced", "ring-down", "stepped-sine", "loops"]
-"""Kind of records: as they are recognised, forced, free decays, tables of steady responses to a stepped sine, or loops
-of force against the displacement of a contact."""
+Kind = Literal["recognised", "forced", "ring-down", "stepped-sine", "loops", "friction-speed"]
+"""Kind of records: as they are recognised, forced, free decays, tables of steady responses to a stepped sine, loops of
+force against the displacement of a contact, or friction at steady speeds."""
 
 WAYS: Mapping[str, Callable[..., Result[Any]]] = {
     "forced": identify_forced,
     "ring-down": identify_decays,
     "stepped-sine": identify_joint,
     "loops": identify_loops,
+    "friction-speed": identify_friction_speed,
 }
 """The function that identifies each kind of records."""
 
@@ -75,7 +77,8 @@ def read_records(
     0.004
     """
     reader = None if tables is False else partial(read_lines, stated=bool(tables))
-    return as_records(records, mapping=mapping, free=free, reader=reader)
+    kind = "ring-down" if free else ""
+    return as_records(records, mapping=mapping, kind=kind, reader=reader)
 
 
 @with_options(AnyOptions)
@@ -90,16 +93,18 @@ def identify(
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
     The records are recognised and handed over: forced records to `identify_forced`, free decays to `identify_decays`,
-    tables of a stepped sine to `identify_joint`, measured loops to `identify_loops`. Their signatures are the options
-    that apply; one at its default may be given for any kind.
+    tables of a stepped sine to `identify_joint`, measured loops to `identify_loops`, tables of friction at steady
+    speeds to `identify_friction_speed`. Their signatures are the options that apply; one at its default may be given
+    for any kind.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
     stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
-    and c. Only tables of responses to a force and measured loops do without.
+    and c. Only tables of responses to a force, measured loops and steady speeds do without.
     mapping : what the records do not say of their channels, where they are read here.
-    kind : "forced", "ring-down", "stepped-sine" or "loops", where it is not to be recognised: tables by their columns
-    of frequency and phase, measured loops by force and displacement or velocity where neither stiffness nor mass is
-    given, forced records by an excitation channel that keeps moving.
+    kind : "forced", "ring-down", "stepped-sine", "loops" or "friction-speed", where it is not to be recognised:
+    tables by their columns of frequency and phase, or of velocity and force in both directions without times; measured
+    loops by force and displacement or velocity where neither stiffness nor mass is given, forced records by an
+    excitation channel that keeps moving.
     {options}
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option
@@ -122,6 +127,8 @@ def identify(
         records = read_records(records, mapping=mapping)
         if not all(record.channels for record in records):
             kind = "stepped-sine"
+        elif not any(record.timed or "displacement" in record for record in records):
+            kind = "friction-speed"
         elif not {"stiffness", "mass"} & given.keys() and all(map(_is_loop, records)):
             kind = "loops"
         else:

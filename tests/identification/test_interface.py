@@ -18,6 +18,7 @@ from dampbalance import (
     identify,
     identify_decays,
     identify_forced,
+    identify_friction_speed,
     identify_joint,
     identify_loops,
     measured_orbit,
@@ -54,7 +55,9 @@ LOOPS = {
     "displacement_mm": np.cos(2.0 * math.pi * _T),
     "force_N": np.clip(9.0 * np.cos(2.0 * math.pi * _T - 0.3), -5.0, 5.0),
 }
+SPEEDS = {"speed_rpm": [1, -1, 2, -2, 4, -4, 8, -8], "torque_N_m": [3, -3, 4, -4, 5, -5, 9, -9]}
 RECORDS = {"forced": FORCED, "ring-down": DECAY, "stepped-sine": TABLE, "loops": LOOPS}
+RECORDS |= {"friction-speed": SPEEDS}
 # a value of each option that is not its default
 VALUES = {
     "frequency": 3.5,
@@ -82,22 +85,22 @@ def test_an_option_of_another_kind_is_refused_in_one_sentence(kind, name, stated
     with pytest.raises(
         ValueError, match=f"^{name} = .* is for .*, and these are .*: leave it out$"
     ):
-        identify(RECORDS[kind], None if kind == "loops" else K, **options)
+        identify(RECORDS[kind], K if kind in OPTIONS["stiffness"].kinds else None, **options)
 
 
 @pytest.mark.parametrize(("kind", "name"), MISPLACED)
 def test_a_configuration_is_refused_for_the_same_options(kind, name):
     key = OPTIONS[name].key
-    k = {} if kind == "loops" else {"stiffness_N_per_m": K}
+    k = {"stiffness_N_per_m": K} if kind in OPTIONS["stiffness"].kinds else {}
     wrong = dict(contradictions({"kind": kind, **k, key: VALUES[name]}))
     assert [*wrong] == [key]
     assert re.fullmatch("is for .*, and these are .*: leave it out", wrong[key])
 
 
-def test_only_a_stepped_sine_and_loops_do_without_a_stiffness():
+def test_only_records_in_time_of_an_oscillator_need_a_stiffness():
     for kind in WAYS:
         lacks = dict(contradictions({"kind": kind}))
-        assert [*lacks] == ([] if kind in ("stepped-sine", "loops") else ["stiffness_N_per_m"])
+        assert [*lacks] == (["stiffness_N_per_m"] if kind in ("forced", "ring-down") else [])
 
 
 def test_a_stiffness_may_be_text_as_a_mass_may():
@@ -122,10 +125,11 @@ def test_an_option_at_its_default_may_be_given_for_any_kind():
         ("ring-down", {"mass": "2.42"}),
         ("stepped-sine", {"contact": "one slider"}),
         ("loops", {"backlash": False}),
+        ("friction-speed", {}),
     ],
 )
 def test_it_hands_over_to_the_function_of_the_kind(kind, options):
-    options |= {} if kind in ("stepped-sine", "loops") else {"stiffness": (K, 10.0)}
+    options |= {"stiffness": (K, 10.0)} if kind in ("forced", "ring-down") else {}
     own = WAYS[kind](RECORDS[kind], **options)
     assert own is not identify(RECORDS[kind], **options)
     for stated in ("recognised", kind):
@@ -134,7 +138,15 @@ def test_it_hands_over_to_the_function_of_the_kind(kind, options):
 
 
 @pytest.mark.parametrize(
-    "function", [identify, identify_forced, identify_decays, identify_joint, identify_loops]
+    "function",
+    [
+        identify,
+        identify_decays,
+        identify_forced,
+        identify_friction_speed,
+        identify_joint,
+        identify_loops,
+    ],
 )
 def test_the_docstring_has_every_argument_of_the_signature(function):
     words = inspect.getdoc(function)

@@ -276,7 +276,9 @@ def test_a_configuration_states_the_uncertainty_of_its_mass():
         ("stiffness_standard_error_N_per_m", "stiffness_N_per_m", "mass_kg"),
     ],
 )
-@pytest.mark.parametrize("kind", [None, "forced", "ring-down", "stepped-sine", "loops"])
+@pytest.mark.parametrize(
+    "kind", [None, "forced", "ring-down", "stepped-sine", "loops", "friction-speed"]
+)
 def test_an_uncertainty_without_its_number_is_refused_before_anything_is_read(
     kind, error, of, other
 ):
@@ -284,8 +286,8 @@ def test_an_uncertainty_without_its_number_is_refused_before_anything_is_read(
     for number in ({}, {of: None}, {other: 2310.0}):
         problems = dict(contradictions(stated | number))
         assert (of in problems[error]) != ("is for" in problems[error])
-        assert ("is for" in problems[error]) == (kind == "loops")
-    if kind != "loops":
+        assert ("is for" in problems[error]) == (kind in ("loops", "friction-speed"))
+    if kind not in ("loops", "friction-speed"):
         assert error not in dict(contradictions(stated | {of: 20.0}))
         assert "must be below" in dict(contradictions(stated | {of: 5.0}))[error]
 

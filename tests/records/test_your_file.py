@@ -29,6 +29,8 @@ BLOW = np.where(T < 0.02, 50.0, 0.0) + NOISE[0]
 FREQUENCY = np.linspace(2.5, 2000.0, T.size)
 RESPONSE = 1.0 / (1.0 - (FREQUENCY / 440.0) ** 2 + 0.02j)
 LOOP = {"force": ROUND, "displacement": SWING}
+SPEED = np.linspace(0.01, 0.3, 30) * (-1.0) ** np.arange(30)
+TORQUE = 0.9 * np.sign(SPEED) + 3.4 * SPEED
 
 # head → columns, and what is read of them, or asked
 FILES: dict[str, tuple[tuple[np.ndarray, ...], object]] = {
@@ -74,6 +76,7 @@ FILES: dict[str, tuple[tuple[np.ndarray, ...], object]] = {
         LOOP | {"velocity": np.gradient(SWING, T)},
     ),
     "displacement (mm),force (kN)": ((1e3 * SWING, 1e-3 * ROUND), LOOP),
+    "velocity (rad/s),torque (N m)": ((SPEED, TORQUE), {"force": TORQUE, "velocity": SPEED}),
     "time_s,displacement": ((T, D), "in which unit is 'displacement'"),
     "time_s,sensor": ((T, D), "what does the column 'sensor' hold"),
     "Frequency (Hz),Magnitude,Phase": (

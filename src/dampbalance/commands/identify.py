@@ -28,6 +28,10 @@ Loops of force against displacement, from a test machine, need no stiffness:
 
   dampbalance identify loops.csv
 
+A table of mean forces or torques at steady speeds in both directions, of a robot joint or a tribometer, without times:
+
+  dampbalance identify speeds.csv
+
 Numbers may have a unit, and k, m and the normal force a standard uncertainty: "5.2 N/mm ± 1 %", 2310±10, "210 rpm".
 
 The exit status is 0 with an answer, 1 where the records give none (the cause is shown first), 2 for an error.
@@ -109,12 +113,13 @@ def _write_mapping(options: argparse.Namespace) -> None:
     stepped = None if options.kind == "recognised" else options.kind == "stepped-sine"
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
     known = mapping_for(options.records[0], getattr(options, "mapping", None))
-    known = replace(known, free=options.kind == "ring-down")
+    known = replace(known, kind=options.kind)
     text = mapping_to_start_from(options.records[0], known, stepped)
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
         blanks = f'{BLANK}"' in text
-        mapping = None if blanks else replace(read_mapping(unfinished), source=str(file))
+        of_file = {"source": str(file), "kind": options.kind}
+        mapping = None if blanks else replace(read_mapping(unfinished), **of_file)
         for record in options.records if mapping and mapping.channels else ():
             quantities_of(record, mapping)
     is_usual = all(find_mapping(record) == file for record in options.records)

@@ -161,7 +161,9 @@ class HarmonicProblem:
         into friction; the work of the terms that are not given, over the median of the records."""
         law, lines = self.law, self.lines
         labels = law.groups.get(FRICTION, ("",) * len(lines))
-        means = {label: self._rubbed[[other == label for other in labels]].mean() for label in labels}
+        means = {
+            label: self._rubbed[[other == label for other in labels]].mean() for label in labels
+        }
         force = np.array([means[label] for label in labels])
         equivalents = [self.equivalents(s) for s in law.terms[1:] if s not in law.given]
         damping = np.ones(len(lines))
@@ -173,7 +175,9 @@ class HarmonicProblem:
     def _rubbed(self) -> Array:
         """Friction force of each record if all of its work went into friction, N, (n,)."""
         sines = [max(-one.x[0].imag / abs(one.x[0]), 1e-9) for one in self.lines]
-        return np.array([self.k * one.Y * sine for one, sine in zip(self.lines, sines, strict=True)])
+        return np.array(
+            [self.k * one.Y * sine for one, sine in zip(self.lines, sines, strict=True)]
+        )
 
     @property
     def samples(self) -> int:

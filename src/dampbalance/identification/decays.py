@@ -193,7 +193,7 @@ def identify_decays(
         read, asked_for = read_request("ring-down", records, mapping, given)
     except ValueError as error:
         if stiffness is None and given.get("mass") is None:
-            read = as_records(records, mapping=mapping, free=True)
+            read = as_records(records, mapping=mapping, kind="ring-down")
             raise _with_damping(error, read, _damping_of(read)) from None
         raise
     damping = _damping_of(read)

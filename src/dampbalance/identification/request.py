@@ -12,7 +12,7 @@ from ..arguments import flag, one_of, whole
 from ..findings.finding import Finding
 from ..findings.words import sentence
 from ..law.law import law_of
-from ..project.options import IN_WORDS, OPTIONS, Option, asked
+from ..project.options import IN_TIME, IN_WORDS, OPTIONS, Option, asked
 from ..records.coordinate import TRANSLATION
 from ..records.mapping import MappingLike
 from ..records.measured import as_records, require_different
@@ -76,7 +76,7 @@ def read_options(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
     wrong, and for a stiffness that is missing with the mass.
     """
     given = asked(kind, options)
-    if kind in ("forced", "ring-down") and not {"stiffness", "mass"} & given.keys():
+    if kind in IN_TIME and not {"stiffness", "mass"} & given.keys():
         kind_in_words = Finding("no stiffness", {"kind": IN_WORDS[kind]})
         raise ValueError(sentence(kind_in_words, TRANSLATION))
     law = law_of(*map(given.get, ("terms", "given", "groups")))
@@ -109,9 +109,9 @@ def read_request(
     way round, and for a stiffness in N/m of records that rotate and the like.
     """
     asked_for = read_options(kind, {**options, "mapping": mapping})
-    read = as_records(records, mapping=mapping, free=kind == "ring-down", reader=reader)
+    read = as_records(records, mapping=mapping, kind=kind, reader=reader)
     require_different(read)
-    if kind != "loops" and (bare := [record.name for record in read if not record.timed]):
+    if kind in IN_TIME and (bare := [record.name for record in read if not record.timed]):
         raise ValueError(
             f"{bare[0]} has no times, which {IN_WORDS[kind]} need: give a column of them, or their rate"
         )

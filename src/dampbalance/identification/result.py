@@ -245,7 +245,7 @@ class Result(Generic[B]):
         rows."""
         import pandas as pd  # slow to import
 
-        answer = next(a for a in self.approaches.values() if a.balance is not None)
+        answer = next((a for a in self.approaches.values() if a.balance is not None), self.answer)
         names = [] if answer.balance is None else answer.balance.names
         frame = pd.DataFrame(answer.rows, index=pd.Index(names, name="row"))
         return frame.rename(columns=self.coordinate.key)

@@ -174,6 +174,10 @@ class LoopOptions(_OfForcedOrLoops, _OfLoops):
     """Options of `identify_loops`."""
 
 
+class SpeedOptions(TypedDict, total=False):
+    """Options of `identify_friction_speed`."""
+
+
 class AnyOptions(ForcedOptions, _OfDecays, _OfSteppedSine, _OfLoops):
     """Options of `identify`."""
 
@@ -183,14 +187,19 @@ IN_WORDS = {
     "ring-down": "free decays",
     "stepped-sine": "tables of a stepped sine",
     "loops": "measured loops",
+    "friction-speed": "friction at steady speeds",
 }
 """Kinds of records, as messages call them."""
+
+IN_TIME = "forced", "ring-down"
+"""Kinds of records in time, of an oscillator whose stiffness or mass is given."""
 
 _TAKEN: dict[str, tuple[type, ...]] = {
     "forced": (_OfRecords, _OfSpring, ForcedOptions),
     "ring-down": (_OfRecords, _OfSpring, DecayOptions),
     "stepped-sine": (_OfRecords, _OfSpring, SteppedSineOptions),
     "loops": (_OfRecords, LoopOptions),
+    "friction-speed": (_OfRecords, SpeedOptions),
 }
 """Kind of records → the rows that apply."""
 
@@ -293,7 +302,7 @@ def contradictions(settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         elif of.error_key in stated and not stated[of.error_key] < stated[of.key]:
             yield of.error_key, f"must be below {of.key} = {stated[of.key]:g}: correct one of them"
     k, m = OPTIONS["stiffness"].key, OPTIONS["mass"].key
-    if kind in ("forced", "ring-down") and not {k, m} & stated.keys():
+    if kind in IN_TIME and not {k, m} & stated.keys():
         yield k, f"is missing: {IN_WORDS[kind]} need it, or the mass; add it"
 
 

@@ -26,13 +26,16 @@ RESPONSES = ABSOLUTE | RELATIVE
 """Responses of the mass, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
 relative motion is an absolute one."""
 
-ACCOMPANYING = {"normal_force": "N"}
-"""A channel recorded beside motion and friction: the force that presses a contact together."""
+OF_FORCE = {"force_standard_error": "N"}
+"""A column of a table of steady speeds: the standard error of its forces."""
+
+ACCOMPANYING = {"normal_force": "N"} | OF_FORCE
+"""What stands beside motion and friction: the force that presses a contact together, and the error of a force."""
 
 QUANTITIES = EXCITATIONS | RESPONSES | ACCOMPANYING
 """Every quantity that a channel may hold, with the SI unit of its values."""
 
-ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPONSES}
+ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPONSES | OF_FORCE}
 """Quantities of a record that rotates, angle, torque, …, and what each stands for in the equations of a translation."""
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
@@ -118,7 +121,7 @@ class Channel:
     name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
     coordinate : whether it rotates; its values are in rad or N m then.
     missing : mask of the samples that the record lacks, whose values are interpolated; None for none.
-    timed : whether t are times; else numbers of the samples, of a measured loop without times.
+    timed : whether t are times; else numbers of the samples, of a measured loop without times or of steady speeds.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
     bounds (`records/errors.py`), times that do not increase, have a gap, or are off equal steps by half a step.

@@ -12,11 +12,12 @@ import numpy as np
 from ..project.wording import listed
 from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES
 from .errors import RecordError
-from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses, is_loop
+from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses
 from .headings import STANDARD_ERROR, of_level, unit_of
 from .mapping import BLANK
 from .stepped_tables import is_response
 from .units import DIMENSIONS, PER_FORCE, SI, TABLE_DIMENSIONS, find_motion, find_other, find_unit
+from .untimed import is_loop, of_speeds
 
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
@@ -49,7 +50,8 @@ def draft(of: Guesses) -> Iterator[str]:
         i = chosen[quantity]
         name = quantity if of.stepped else of.coordinate(i).key(quantity)
         stated, remark = _in_unit(of, i, quantity)
-        if (error := chosen.get(quantity + STANDARD_ERROR)) is not None:
+        error = chosen.get(quantity + STANDARD_ERROR)
+        if of.stepped and error is not None:
             stated += f", standard_error: {_which(of, error)}"
         if quantity in ABSOLUTE and driving - {"force"} and of.all[i].reason in UNNAMED:
             remark = f"; relative_{name} if measured against the base{remark}"
@@ -64,8 +66,9 @@ def draft(of: Guesses) -> Iterator[str]:
         if (value := getattr(of.mapping, key)) not in (None, ""):
             yield f"{key}: {json.dumps(value, ensure_ascii=False)}"
     if not of.stepped:
-        may_be = [q for guess in of.all.values() for q in (guess.quantity, *guess.may) if q]
-        yield from _time(of, is_loop(may_be) and not of.mapping.free)
+        may_be = {q: i for i, g in of.all.items() for q in (g.quantity, *g.may) if q}
+        loop = is_loop(may_be) and not of.mapping.free
+        yield from _time(of, loop or of_speeds(of, may_be))
     elif of.per_force and not driving and not of.mapping.force_N:
         yield f'force_N: "{BLANK}"  # the amplitude of the force: the file has none'
     read = {of.keys[i] for i in chosen.values()} if of.stepped else set()  # of all levels

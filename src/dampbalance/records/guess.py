@@ -58,6 +58,7 @@ from .units import (
     find_other,
     find_unit,
 )
+from .untimed import OF_LOOP, of_speeds
 
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
@@ -81,7 +82,6 @@ RESPONSE = (
 )
 _ONE = 0.1  # relative: a derivative, by its units
 _GRAVITY = 9.80665  # m/s²
-_OF_LOOP = "displacement", "force"
 _GOES_ROUND = "they go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
 
@@ -106,11 +106,6 @@ def first_of(names: Sequence[str]) -> str:
     """Return names in a row, the first 20 of them."""
     more = len(names) - LISTED
     return ", ".join(names[:LISTED]) + f" and {more} more" * (more > 0)
-
-
-def is_loop(quantities: Iterable[str]) -> bool:
-    """Return whether a record of these quantities is a measured loop, which needs no times."""
-    return {*_OF_LOOP} <= {*quantities} <= {*_OF_LOOP, "velocity", *ACCOMPANYING}
 
 
 class Guesses:
@@ -166,7 +161,9 @@ class Guesses:
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
         if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
             return named
-        others = [i for i, raw in enumerate(self.channels) if quantity_of(raw) is None]
+        others = [
+            i for i, raw in enumerate(self.channels) if not (quantity_of(raw) or by_unit(raw))
+        ]
         rising = [i for i in others if samples.equal_step(self.values[i]) is not None]
         return [i for i in rising if not samples.counts(self.values[i])]
 
@@ -279,7 +276,11 @@ class Guesses:
         rest = [i for i, of in found.items() if of.reason in _LEVELS and i not in named]
         alone = len(named) == 1 and not rest
         driven = len(driving) == 1 and self._words(driving[0]) != {"y"}
-        if clear and answering and (driven or alone):
+        held = {i: of.quantity for i, of in found.items() if of.quantity}
+        speeds = {quantity: i for i, quantity in held.items()}
+        if len(speeds) == len(held) and of_speeds(self, speeds):
+            self._leave(found, found.keys() - held.keys(), _TAKEN)
+        elif clear and answering and (driven or alone):
             self._leave(found, found.keys() - named.keys(), _TAKEN)
         else:
             self._look(found)
@@ -393,7 +394,7 @@ class Guesses:
         if known or len(unnamed) != 2 or any(of.quantity for of in found.values()):
             return
         if samples.go_round(*(self.values[i] for i in unnamed)):
-            found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=_OF_LOOP))
+            found |= dict.fromkeys(unnamed, Guess("", _GOES_ROUND, may=OF_LOOP))
 
     def _ask(
         self, found: dict[int, Guess], columns: Iterable[int], drives: Sequence[int] = ()

@@ -85,7 +85,7 @@ _OF_AMPLITUDES = {
     "peak",
     "rms",
 }
-_OF_ERRORS = {"standard", "error", "std", "deviation", "uncertainty"}
+_OF_ERRORS = {"standard", "error", "std", "stdev", "deviation", "uncertainty"}
 _SHORTEST = 3  # letters of a word that may be part of another
 _TIME = re.compile(
     r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
@@ -183,6 +183,10 @@ def quantity_of(
     words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
     if {*words} & {*_NORMAL} and by_unit(raw) == "force":
         return "normal_force"
+    if {*words} & _OF_ERRORS:
+        others = [word for word in words if word not in _OF_ERRORS]
+        if quantity_of(replace(raw, name=" ".join(others))) == "force":
+            return f"force{STANDARD_ERROR}"
     words = [word for word in words if word != _PASSED_OVER and not word.isdigit()] or words
     rest = [word for word in words if word not in AXES]  # an axis beside a quantity
     words = rest if {meanings.get(word) for word in rest} & DIMENSIONS.keys() else words

@@ -66,7 +66,7 @@ class RecordMapping:
     sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text
     file.   frequency_hz : nominal frequency of the drive.   level : what the level of excitation is called.
     table : of a table of steady responses, its columns by quantity.   force_N : amplitude of the force at which a
-    response given per force was measured.   free : whether the record is known to be one of free decays.
+    response given per force was measured.   kind : of the record, as `identify` takes it, where it is known.
     """
 
     source: str = ""
@@ -82,7 +82,17 @@ class RecordMapping:
     notes: str = ""
     table: Mapping[str, ChannelRule] = field(default_factory=lambda: ReadOnly({}))
     force_N: float | None = None
-    free: bool = False
+    kind: str = ""
+
+    @property
+    def free(self) -> bool:
+        """Whether the record is known to be one of free decays."""
+        return self.kind == "ring-down"
+
+    @property
+    def steady(self) -> bool:
+        """Whether its rows are known to be of steady speeds, without times."""
+        return self.kind == "friction-speed"
 
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None

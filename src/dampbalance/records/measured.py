@@ -36,11 +36,12 @@ def as_records(
     records: RecordLike | Sequence[RecordLike],
     *,
     mapping: MappingLike = None,
-    free: bool = False,
+    kind: str = "",
     reader: ReaderOfTables | None = None,
 ) -> tuple[Record, ...]:
     """Return records as `dampbalance.read_records` does, whose arguments these are.
 
+    kind : that the records are known to be of; "" for none.
     reader : gives the record of an open table that is of its kind, and None for others; tried before channels are
     looked for.
     """
@@ -52,13 +53,13 @@ def as_records(
         taken = {record.name for record in made}
         if isinstance(one, str | Path):
             file = path("each record", one, "a file")
-            rules = replace(mapping_for(file, mapping), free=free)
+            rules = replace(mapping_for(file, mapping), kind=kind)
             read = _read(str(file), file.name, opened(file, rules), rules, reader)
             files = _digests(file, rules, mapping)
             runs = [{"run": n} if len(read) > 1 else {} for n in range(1, len(read) + 1)]
             made += [replace(of, files=files | run) for of, run in zip(read, runs, strict=True)]
         elif not isinstance(one, Record) or (one.files is None and one.rules == RecordMapping()):
-            made += _in_memory(one, number, taken, mapping, free, reader)
+            made += _in_memory(one, number, taken, mapping, kind, reader)
         else:
             made.append(one)
     return tuple(made)
@@ -69,7 +70,7 @@ def _in_memory(
     number: int,
     taken: set[str],
     mapping: MappingLike,
-    free: bool,
+    kind: str,
     reader: ReaderOfTables | None,
 ) -> tuple[Record, ...]:
     """Return the records of signals in memory, the `number`-th of several, under a name that is not taken, as
@@ -83,7 +84,7 @@ def _in_memory(
     names = itertools.chain([own], (f"{own} ({count})" for count in itertools.count(2)))
     name = next(name for name in names if name not in taken)
     rules = RecordMapping("mapping") if mapping is None else mapping_for("", mapping)
-    rules = replace(rules, free=free)
+    rules = replace(rules, kind=kind)
     if isinstance(signals, Record):
         return (replace(signals, name=name, label=visible(rules.level or name), rules=rules),)
     return _read(name, name, [(signals_file(name, signals), rules)], rules, reader)

@@ -24,12 +24,13 @@ from .clock import Clock, clock_of, left_out
 from .coordinate import TRANSLATION, Coordinate
 from .draft import unclear
 from .errors import RecordError, RecordWarning
-from .guess import BY_UNIT, Guesses, first_of, is_loop
+from .guess import BY_UNIT, Guesses, first_of
 from .headings import unit_of
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import Table
 from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
+from .untimed import is_loop, of_speeds
 
 _BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
@@ -43,7 +44,7 @@ class Pick:
 
     time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on, at a rate of 0 without
     times; time_factor : seconds per unit of that channel.   correction : that its harmonics need.
-    coordinate : whether it rotates.
+    coordinate : whether it rotates.   steady : whether its rows are steady states and no samples of a signal.
     """
 
     quantity: str
@@ -56,6 +57,7 @@ class Pick:
     start: float = 0.0
     correction: Correction | None = None
     coordinate: Coordinate = TRANSLATION
+    steady: bool = False
 
 
 def recognise(table: Table, mapping: RecordMapping, *others: tuple[Table, RecordMapping]) -> Record:
@@ -90,17 +92,19 @@ def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
             raise unclear(guesses, question)
         rules = guesses.rules
     found = {q: guesses.find(of.channel, f"channels.{q}.channel")[0] for q, of in rules.items()}
-    loop = is_loop(found) and not mapping.free
-    picks = tuple(_pick(guesses, q, found[q], rules[q], loop) for q in QUANTITIES if q in found)
+    untimed = is_loop(found) and not mapping.free, of_speeds(guesses, found)
+    picks = tuple(_pick(guesses, q, found[q], rules[q], *untimed) for q in QUANTITIES if q in found)
     for said in () if mapping.channels else _said(guesses, picks):
         warnings.warn(RecordWarning(guesses.path, said), stacklevel=2)
     return picks
 
 
-def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untimed: bool) -> Pick:
+def _pick(
+    guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untimed: bool, steady: bool
+) -> Pick:
     """Return the pick of a channel with the times that the mapping or the file gives it.
 
-    untimed : whether it does without, as a measured loop.
+    untimed : whether it does without, as a measured loop.   steady : whether it has none, as steady speeds.
     """
     raw = guesses.channels[index]
     if raw.stamps:
@@ -113,7 +117,10 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untime
         *(quantity, index, raw.name, factor),
         correction=rule.correction,
         coordinate=rule.coordinate,
+        steady=steady,
     )
+    if steady:
+        return pick
     if guesses.mapping.sample_rate_hz is not None:
         return replace(pick, rate_hz=guesses.mapping.sample_rate_hz)
     own, key = rule.time, f"channels.{quantity}.time"
@@ -132,6 +139,8 @@ def _pick(guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untime
     rate = (
         "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
     )
+    if {*guesses.rules} >= {"force", "velocity"}:
+        rate += " If each row is a steady speed, give --kind friction-speed."
     raise _asked(guesses, rate, f"Channel {shortened(raw.name)} needs it: say sample_rate_hz")
 
 
@@ -231,7 +240,8 @@ def _checked(file: Table, pick: Pick, values: Array, clock: Clock) -> Channel:
     empty, present = (np.flatnonzero(np.isnan(values) == lacks) for lacks in (True, False))
     for odd in left_out("no numbers", this, empty, file.place):
         warnings.warn(RecordWarning(file.path, odd), stacklevel=2)
-    _require_no_overflow(file, pick, values, present)
+    if not pick.steady:
+        _require_no_overflow(file, pick, values, present)
     if pick.quantity in RESPONSES:  # a base may be at rest, a dead weight presses evenly
         _require_moving(f"{file.path}: {this}", pick, values[present], unit)
     try:

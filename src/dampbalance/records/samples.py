@@ -22,6 +22,7 @@ _FALLS = 0.95  # of the range in a part, left in the next of a decay
 _DIED = 0.35  # of the largest range in a part, left in the last
 _BAND = 0.02  # of the strongest line: weaker ones show noise
 _ALIKE = 0.95  # correlation of two columns that are one motion
+_PASSES, _PER_PASS = 3, 4  # through zero, and samples for each: more are of a motion in time
 _OUTSIDE = 0.1  # of half the range: nearer to its middle a loop may rest
 _NEAR = 4.0  # times slower or faster than a response: what swings within may drive it
 _ARC = 0.9  # share of the variance that a parabola of another coordinate explains
@@ -159,6 +160,15 @@ def is_arc(values: Array, other: Array) -> bool:
     left = [float(np.var(y - np.polyval(np.polyfit(x, y, n), x))) for n in (1, 2)]
     whole = float(np.var(y))
     return left[1] < (1.0 - _ARC) * whole and left[0] > 0.5 * whole
+
+
+def steady_speeds(values: Array) -> bool:
+    """Return whether velocities are of both directions, each steady: they do not pass through zero again and again
+    after several samples each, as those of a motion do."""
+    way = values[np.isfinite(values) & (values != 0.0)] > 0.0
+    passes = np.count_nonzero(np.diff(way))
+    moves = way.size >= _ENOUGH and _PASSES < passes < way.size / _PER_PASS
+    return bool(passes and not moves)
 
 
 def go_round(values: Array, other: Array) -> bool:

@@ -1,0 +1,295 @@
+"""Friction at steady speeds: from tables of mean forces to F_k and c.
+
+Speeds are steady: no spring is deflected any further and no mass accelerated, so that neither K_z nor a mass shows, and
+no stiffness is needed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+
+import numpy as np
+
+from ..findings.finding import Finding
+from ..fit.friction_speed import (
+    P_FALL,
+    P_HINT,
+    SpeedFit,
+    SteadySpeeds,
+    fit_speeds,
+    law,
+    with_scatter,
+)
+from ..law.terms import FRICTION
+from ..project.options import SpeedOptions, Stated, with_options
+from ..project.wording import listed
+from ..records.channel import OF_FORCE
+from ..records.mapping import MappingLike
+from ..records.record import Record
+from ..signals.whiteness import chance_of_averages
+from .answer import UNKNOWN, Answer, Interval, ParameterEstimate, covariance_of
+from .level import Column, Level
+from .request import read_request
+from .result import Picture, Result
+from .sensitivities import Fault
+from .stated import with_stated_uncertainties
+
+if TYPE_CHECKING:
+    from ..records.measured import RecordLike
+
+_P_OTHER = 0.01  # that scatter alone follows the speed as much as a residual does
+_FEWEST = 4  # rows
+_PARTS = 6  # of the range of speeds, over whose averages a residual shows
+
+(_ERROR,) = OF_FORCE
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpeedBasis:
+    """What the answer to steady speeds rests on.
+
+    data : of all tables.   fit : of the law that is taken.   p_fall : probability that scatter alone looks like a
+    friction that falls with the speed.   rows : number of rows of each table.
+    """
+
+    data: SteadySpeeds
+    fit: SpeedFit
+    p_fall: float
+    rows: Mapping[str, int]
+
+    kind: ClassVar[str] = "friction-speed"
+    mass_tests: ClassVar[bool] = False
+    columns: ClassVar[Mapping[str, Column]] = {}
+
+    def document(self, found: Result[Any]) -> dict[str, Any]:
+        """Return the law, and the rows with its forces."""
+        fit, data = self.fit, self.data
+        force = data.F + data.error * fit.problem.residuals(fit.point)
+        return {
+            "p_of_no_fall": self.p_fall,
+            "speeds": {
+                "velocity_m_per_s": data.v,
+                "force_N": data.F,
+                "force_standard_error_N": data.error,
+                "force_of_the_law_N": force,
+            },
+            "records": [{"record": name, "rows": n} for name, n in self.rows.items()],
+        }
+
+    def levels(self, found: Result[Any]) -> list[Level]:
+        """Return nothing: no cycles are made."""
+        return []
+
+    def shifts(
+        self, found: Result[Any], faults: Mapping[str, Fault], name: str
+    ) -> dict[str, dict[str, float]]:
+        """Return the changes with faults of gain: both numbers are in proportion to the force, and c inversely so to
+        the speed."""
+        return {
+            what: {FRICTION: fault.drive, "c": fault.drive - fault.response}
+            for what, fault in faults.items()
+            if fault.drive or fault.response
+        }
+
+    def pictures(self, found: Result[Any]) -> dict[str, Picture]:
+        """Return the force over the speed with the law, and the friction over the size of the speed."""
+        from . import speed_pictures as drawn  # slow to import
+
+        return {"speeds": Picture(drawn.speeds, (self.data, self.fit))}
+
+
+@with_options(SpeedOptions)
+def identify_friction_speed(
+    records: RecordLike | Sequence[RecordLike],
+    stiffness: Stated | None = None,
+    *,
+    mapping: MappingLike = None,
+    **options: Unpack[SpeedOptions],
+) -> Result[SpeedBasis]:
+    """Identify F_k and c from a table of mean forces, or torques, at steady speeds in both directions.
+
+    Use it for a robot joint, a motor, a bearing or a tribometer whose friction was measured speed by speed; K_z does
+    not show there. The law is
+
+        T = [F_k + F_S e^{−(v/v_S)²}] sgn v + c v + T_0
+
+    T_0 is an offset of the sensor, or gravity; friction that differs between the directions by 2T_0 looks alike. The
+    fall of the friction with the speed (Stribeck) is taken where the data show it clearly. Errors follow from the
+    scatter about the law, or from a column of standard errors if they cover it.
+
+    records : as `read_records` returns or takes them, a row for each speed, with a velocity and a force or torque, one
+    table or several of one contact. Reduce samples in time to a mean at each steady speed beforehand.
+    stiffness : leave it out: there is no oscillator.
+    mapping : what the tables do not say of their columns, where they are read here.
+    {options}
+
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a table
+    without velocity or force, or with fewer rows than numbers to identify.
+
+    >>> from dampbalance import identify_friction_speed
+    >>> found = identify_friction_speed(
+    ...     {"speed_rpm": [10, -10, 20, -20, 40, -40], "torque_N_m": [2.1, -1.9, 2.2, -2.0, 2.4, -2.2]}
+    ... )
+    >>> round(found.values["F_k"], 3), round(found.values["c"], 4)  # N m, N m s/rad
+    (1.9, 0.0955)
+    """
+    read, of = read_request("friction-speed", records, mapping, {"stiffness": stiffness, **options})
+    data, rows, still = _data(read)
+    fit, other, p = _taken(data)
+    if flipped := _gains(fit):
+        fit, other, p = _taken(replace(data, F=-data.F))
+    answer, speeds, words = _answer(fit, other), data.sizes, read[0].coordinate
+    found = Result(
+        basis=SpeedBasis(fit.problem.data, fit, p, rows),
+        k=math.nan,
+        sources=tuple(rows),
+        estimates={answer.name: answer},
+        odd=tuple(_odd(read, data, still, flipped)),
+        head=(
+            f"{data.v.size} mean {words.noun('forces')} at steady speeds from {speeds[0]:.3g} to {speeds[-1]:.3g} "
+            f"{words.unit('m/s')}, with 95 % intervals"
+        ),
+        rig=(),
+        check=[*_rig(fit, p)],
+        records=tuple(read),
+        options=of,
+    )
+    return with_stated_uncertainties(found)
+
+
+def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], int]:
+    """Return the rows of all tables, the number of each, and how many rows at rest are left out: there the friction has
+    no direction.
+
+    Raises ValueError for a table without velocity or force, with fewer rows than numbers, or at rest.
+    """
+    tables, rows, still = [], {}, 0
+    for record in records:
+        if not {"velocity", "force"} <= {*record.quantities}:
+            raise ValueError(
+                f"{record.name} has {listed([*record.quantities])}: steady speeds need a velocity and a force, or an "
+                "angular velocity and a torque; name them in its mapping"
+            )
+        channels = record.corrected()
+        v, F = (channels[q].as_recorded for q in ("velocity", "force"))
+        error = channels[_ERROR].as_recorded if _ERROR in channels else np.full(v.size, math.nan)
+        given = np.isfinite(v) & np.isfinite(F)
+        still += int(np.count_nonzero(given & (v == 0.0)))
+        table = np.array([v, F, error])[:, given & (v != 0.0)]
+        tables.append(table)
+        rows[record.name] = table.shape[1]
+    v, F, error = np.hstack(tables)
+    if v.size < _FEWEST:
+        raise ValueError(
+            f"{listed([*rows])} with {v.size} rows at speeds other than zero: F_k, c, an offset and their errors need "
+            f"{_FEWEST} at least"
+        )
+    stated = bool((error > 0.0).all())
+    return with_scatter(v, F, error if stated else None), rows, still
+
+
+def _taken(data: SteadySpeeds) -> tuple[SpeedFit, SpeedFit | None, float]:
+    """Return the fit to use, another one that the intervals are to include, and the probability that scatter alone
+    looks like a fall."""
+    line, fall, p = fit_speeds(data)
+    if fall and p < P_FALL:
+        return fall, None, p
+    return line, fall if p < P_HINT else None, p
+
+
+def _free(fit: SpeedFit) -> list[str]:
+    """Return the parameters that the data determine."""
+    return [one.name for one in fit.parameters if one.free]
+
+
+def _gains(fit: SpeedFit) -> bool:
+    """Return whether the law gives power at all speeds together, without its offset; where this cannot be separated,
+    the damping is to give some, too."""
+    data = fit.problem.data
+    power = (law(fit.point, data.v)[0] - fit.value("T_0")) @ data.v
+    return bool(power < 0.0 and (data.both_ways or fit.value("c") < 0.0))
+
+
+def _answer(fit: SpeedFit, other: SpeedFit | None) -> Answer:
+    """Return the answer of a fit.   other : a fit whose intervals are to be included."""
+    data, free, notes = fit.problem.data, _free(fit), list[Finding]()
+    parameters = {}
+    for symbol in (FRICTION, "c"):
+        p = ParameterEstimate(fit.value(symbol), fit.error(symbol), Interval(*fit.interval(symbol)))
+        parameters[symbol] = p if other is None else p.holding(Interval(*other.interval(symbol)))
+    if not data.both_ways:
+        sum_of = fit.value(FRICTION), fit.error(FRICTION)
+        notes.append(Finding("one direction", {"sum": sum_of}))
+        parameters[FRICTION] = UNKNOWN
+    if "c" not in free:
+        notes.append(Finding("one speed"))
+        parameters["c"] = UNKNOWN
+    for symbol, p in parameters.items():
+        if p.interval.high < 0.0:
+            notes.append(Finding("negative at steady speeds", {"value": ((symbol, p.value),)}))
+            parameters[symbol] = UNKNOWN
+    if other is not None:
+        notes.append(Finding("fall hinted"))
+    notes += _departure(fit)
+    left = data.error * fit.problem.residuals(fit.point)
+    merit: dict[str, Any] = {"residual_rms_N": float(np.sqrt(np.mean(left**2)))}
+    merit |= {"misfit": fit.misfit} if data.stated else {}
+    for name, (key, unit) in _FURTHER.items():
+        if name in free:
+            merit |= {f"{key}_{unit}": fit.value(name)}
+            merit |= {f"{key}_standard_error_{unit}": fit.error(name)}
+    known = [s for s, p in parameters.items() if p is not UNKNOWN]
+    at = [fit.parameters.places[s] for s in known]
+    covariance = covariance_of(parameters, known, fit.covariance[np.ix_(at, at)])
+    name = "Stribeck" if "F_S" in free else "Coulomb"
+    return Answer(name, parameters, covariance, tuple(notes), merit=merit)
+
+
+_FURTHER = {"T_0": ("offset", "N"), "F_S": ("F_S", "N"), "v_S": ("v_S", "m_per_s")}
+"""Further numbers of a fit: key and unit of the document."""
+
+
+def _departure(fit: SpeedFit) -> Iterator[Finding]:
+    """Yield a finding where the residual follows the speed: the force is another function of it."""
+    data = fit.problem.data
+    order = np.argsort(np.abs(data.v), kind="stable")
+    left = (np.sign(data.v) * fit.problem.residuals(fit.point))[order]
+    width = max(2, left.size // _PARTS)
+    p = chance_of_averages([left], [width], len({*_free(fit)} - {"T_0"}))
+    if p < _P_OTHER:
+        parts = left[: left.size // width * width].reshape(-1, width).mean(axis=1)
+        size = float(np.abs(parts).max() * np.median(data.error))
+        with np.errstate(divide="ignore"):
+            of = np.abs([fit.value(FRICTION), fit.value("c") * data.sizes[-1]])
+            effect = dict(zip((FRICTION, "c"), (size / of).tolist(), strict=True))
+        yield Finding("other law of speed", {"size": size, "p": p}, effect)
+
+
+def _odd(
+    records: Sequence[Record], data: SteadySpeeds, still: int, flipped: bool
+) -> Iterator[Finding]:
+    """Yield findings on the records."""
+    for record in records:
+        yield from (one.about(record.name) for one in record.warnings)
+    if any(_ERROR in record for record in records) and not data.stated:
+        yield Finding("errors not used")
+    if still:
+        yield Finding("rows at rest", {"rows": still, "many": still > 1})
+    if flipped:
+        yield Finding("flipped", {"records": listed([record.name for record in records])})
+
+
+def _rig(fit: SpeedFit, p: float) -> Iterator[Finding]:
+    """Yield findings on the other numbers of the law, and on what steady speeds do not show.   p : that scatter alone
+    looks like a fall."""
+    of = {name: (fit.value(name), fit.error(name)) for name in _FURTHER}
+    if "T_0" in _free(fit):
+        yield Finding("offset", {"offset": of["T_0"]})
+    if "F_S" in _free(fit):
+        yield Finding("Stribeck", {**of, "p": p})
+    elif p < 1.0:
+        yield Finding("no fall", {"p": p})
+    yield Finding("no K_z")
