@@ -20,11 +20,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, Integers, Mask
+from ..arrays import Array, Integers
 from ..jit import jit
 from .parameters import Limits, Parameters
 
@@ -40,23 +39,6 @@ _STALLED = 1e-7  # of an unknown: rounding may refuse a step below this
 _STEEPEST = 1e10  # damping at which no step has helped
 # Unless zero is allowed, no positive unknown falls below this part of itself in one step.
 _SHRINK = 0.2
-
-
-class ClimbBounds(NamedTuple):
-    """Limits of a climb; to be replaced by `Parameters`."""
-
-    free: Mask
-    lower: Array
-    upper: Array
-    scale: Array
-
-
-def as_parameters(start: Array, bounds: ClimbBounds) -> Parameters:
-    """Return parameters without names; to be replaced."""
-    none, p = ("",) * start.size, start.size
-    return Parameters(
-        none, none, start, bounds.lower, bounds.upper, bounds.free, bounds.scale, np.full(p, np.inf)
-    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,8 +28,9 @@ from ..arguments import NUMBERS, number
 from ..arrays import Array
 from ..features import FEATURE_COLUMNS, Features
 from ..findings.finding import UNBOUNDED, Finding
+from ..fit.fit import OscillatorFit
 from ..fit.fundamentals import FundamentalFit
-from ..fit.oscillator_fit import OscillatorFit
+from ..fit.multistart import Trail
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
@@ -160,7 +161,7 @@ class ForcedBasis:
             return _scaled(solved_again(rows, balance.errors), k)
         if fit is None or moved is None:
             return {}
-        by = dict(zip(fit.names, moved[:, 0].tolist(), strict=False))
+        by = dict(zip(fit.parameters.keys, moved[:, 0].tolist(), strict=False))
         values = {key: fit.value(key) + by[key] for key in (*fit.law.unknowns, "m")}
         if fit.rho:  # K_z = ρ^{−2}
             values["K_z"] = (fit.rho - 2.0 * by["rho"]) / fit.rho**3
@@ -445,8 +446,8 @@ def _balance(
 @lru_cache(maxsize=1)  # asked for with each fault
 def _by_mass(fit: WaveformFit) -> Array:
     """Return the changes of the unknowns with the relative change of a mass that is given, (p, 1)."""
-    problem, at = replace(fit.problem, freed=(*fit.problem.freed, "m")), fit.names.index("m")
-    whole, by = problem.evaluate(fit.point), np.zeros(fit.point.size)
+    free, at = fit.parameters.freed("m").free, fit.parameters.places["m"]
+    whole, by = fit.problem.evaluate(fit.point, free, Trail()), np.zeros(fit.point.size)
     if whole is not None:  # else the motion rattles
         by = -fit.m * fit.response @ whole[:, at]
     by[at] = fit.m

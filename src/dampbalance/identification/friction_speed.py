@@ -83,16 +83,12 @@ class SpeedBasis:
         """Return nothing: no cycles are made."""
         return []
 
-    def shifts(
-        self, found: Result[Any], faults: Mapping[str, Fault], name: str
-    ) -> dict[str, dict[str, float]]:
-        """Return the changes with faults of gain: both numbers are in proportion to the force, and c inversely so to
-        the speed."""
-        return {
-            what: {FRICTION: fault.drive, "c": fault.drive - fault.response}
-            for what, fault in faults.items()
-            if fault.drive or fault.response
-        }
+    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> Mapping[str, float]:
+        """Return the numbers with a fault of gain: both are in proportion to the force, and c inversely so to the
+        speed."""
+        F_k, c = (found.estimates[name].values[symbol] for symbol in (FRICTION, "c"))
+        force = 1.0 + fault.drive
+        return {FRICTION: F_k * force, "c": c * force / (1.0 + fault.response)}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the force over the speed with the law, and the friction over the size of the speed."""
