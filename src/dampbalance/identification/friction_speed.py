@@ -88,8 +88,9 @@ class SpeedBasis:
     ) -> dict[str, dict[str, float]]:
         """Return the changes with faults of gain: both numbers are in proportion to the force, and c inversely so to
         the speed."""
+        known = [s for s, p in found.estimates[name].parameters.items() if p is not UNKNOWN]
         return {
-            what: {FRICTION: fault.drive, "c": fault.drive - fault.response}
+            what: {s: fault.drive - fault.response * (s == "c") for s in known}
             for what, fault in faults.items()
             if fault.drive or fault.response
         }
@@ -147,7 +148,7 @@ def identify_friction_speed(
         k=math.nan,
         sources=tuple(rows),
         estimates={answer.name: answer},
-        odd=tuple(_odd(read, data, still, flipped)),
+        odd=tuple(_odd(read, data.stated, still, flipped)),
         head=(
             f"{data.v.size} mean {words.noun('forces')} at steady speeds from {speeds[0]:.3g} to {speeds[-1]:.3g} "
             f"{words.unit('m/s')}, with 95 % intervals"
@@ -244,8 +245,13 @@ def _answer(fit: SpeedFit, other: SpeedFit | None) -> Answer:
     known = [s for s, p in parameters.items() if p is not UNKNOWN]
     at = [fit.parameters.places[s] for s in known]
     covariance = covariance_of(parameters, known, fit.covariance[np.ix_(at, at)])
-    name = "Stribeck" if "F_S" in free else "Coulomb"
-    return Answer(name, parameters, covariance, tuple(notes), merit=merit)
+    return Answer(
+        "Stribeck" if "F_S" in free else "Coulomb",
+        parameters,
+        covariance,
+        tuple(notes),
+        merit=merit,
+    )
 
 
 _FURTHER = {"T_0": ("offset", "N"), "F_S": ("F_S", "N"), "v_S": ("v_S", "m_per_s")}
@@ -268,13 +274,11 @@ def _departure(fit: SpeedFit) -> Iterator[Finding]:
         yield Finding("other law of speed", {"size": size, "p": p}, effect)
 
 
-def _odd(
-    records: Sequence[Record], data: SteadySpeeds, still: int, flipped: bool
-) -> Iterator[Finding]:
+def _odd(records: Sequence[Record], stated: bool, still: int, flipped: bool) -> Iterator[Finding]:
     """Yield findings on the records."""
     for record in records:
         yield from (one.about(record.name) for one in record.warnings)
-    if any(_ERROR in record for record in records) and not data.stated:
+    if any(_ERROR in record for record in records) and not stated:
         yield Finding("errors not used")
     if still:
         yield Finding("rows at rest", {"rows": still, "many": still > 1})
