@@ -130,7 +130,7 @@ def test_one_direction_leaves_friction_and_offset_one_number():
     both, error = one.numbers["sum"]
     assert abs(both - TRUE["F_k"] - TRUE["T_0"]) < 3.0 * error
     assert not found.no_answer
-    assert found.sensitivities()[1]["drive_gain_1_percent"] == {"c": 0.01}
+    assert found.sensitivities()[1]["drive_gain_1_percent"] == pytest.approx({"c": 0.01})
     lifted = identify({"v_rad_per_s": v[:60], "torque_N_m": F[:60] - 5.0}, kind="friction-speed")
     assert lifted.values["c"] == pytest.approx(found.values["c"], rel=1e-6)
     turned = identify({"v_rad_per_s": v[:60], "torque_N_m": -F[:60]}, kind="friction-speed")

@@ -245,13 +245,8 @@ def _answer(fit: SpeedFit, other: SpeedFit | None) -> Answer:
     known = [s for s, p in parameters.items() if p is not UNKNOWN]
     at = [fit.parameters.places[s] for s in known]
     covariance = covariance_of(parameters, known, fit.covariance[np.ix_(at, at)])
-    return Answer(
-        "Stribeck" if "F_S" in free else "Coulomb",
-        parameters,
-        covariance,
-        tuple(notes),
-        merit=merit,
-    )
+    name = "Stribeck" if "F_S" in free else "Coulomb"
+    return Answer(name, parameters, covariance, tuple(notes), merit=merit)
 
 
 _FURTHER = {"T_0": ("offset", "N"), "F_S": ("F_S", "N"), "v_S": ("v_S", "m_per_s")}
