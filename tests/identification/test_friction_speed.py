@@ -52,6 +52,8 @@ def test_a_table_is_recognised_and_its_friction_usable():
         (("qd (rad/s)", "tau (N m)"), 1.0, 1.0, "N m"),
         (("velocity_mm_per_s", "friction_force_N"), 1e-3, 1.0, "N"),
         (("v (m/s)", "F (mN)"), 1.0, 1e-3, "N"),
+        (("omega_rad_s", "torque_Nm"), 1.0, 1.0, "N m"),
+        (("speed_mm_s", "load_N"), 1e-3, 1.0, "N"),
     ],
 )
 def test_columns_and_units_of_rotations_and_translations(tmp_path, head, by_v, by_F, unit):
