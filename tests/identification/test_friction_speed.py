@@ -52,6 +52,8 @@ def test_a_table_is_recognised_and_its_friction_usable():
         (("qd (rad/s)", "tau (N m)"), 1.0, 1.0, "N m"),
         (("velocity_mm_per_s", "friction_force_N"), 1e-3, 1.0, "N"),
         (("v (m/s)", "F (mN)"), 1.0, 1e-3, "N"),
+        (("omega_rad_s", "torque_Nm"), 1.0, 1.0, "N m"),
+        (("speed_mm_s", "load_N"), 1e-3, 1.0, "N"),
     ],
 )
 def test_columns_and_units_of_rotations_and_translations(tmp_path, head, by_v, by_F, unit):
@@ -130,6 +132,7 @@ def test_one_direction_leaves_friction_and_offset_one_number():
     both, error = one.numbers["sum"]
     assert abs(both - TRUE["F_k"] - TRUE["T_0"]) < 3.0 * error
     assert not found.no_answer
+    assert found.sensitivities()[1]["drive_gain_1_percent"] == pytest.approx({"c": 0.01})
     lifted = identify({"v_rad_per_s": v[:60], "torque_N_m": F[:60] - 5.0}, kind="friction-speed")
     assert lifted.values["c"] == pytest.approx(found.values["c"], rel=1e-6)
     turned = identify({"v_rad_per_s": v[:60], "torque_N_m": -F[:60]}, kind="friction-speed")

@@ -100,11 +100,9 @@ class SpeedProblem(NamedTuple):
         of = end.parameters
         freedom = self.samples - int(np.count_nonzero(of.free))
         covariance = inverse_information(end.products[:-1, :-1], of.prior)
-        found = SpeedFit(of, covariance, end.chi_square, freedom, self, (), 0, end.promise)
-        size = 1.0 if found.errors_hold else found.misfit
-        return SpeedFit(
-            of, size * covariance, end.chi_square, freedom, self, (), end.evaluations, end.promise
-        )
+        rest = end.chi_square, freedom, self, (), end.evaluations, end.promise
+        fit = SpeedFit(of, covariance, *rest)
+        return fit if fit.errors_hold else replace(fit, covariance=fit.misfit * covariance)
 
 
 def law(values: Array, v: Array) -> tuple[Array, Array]:

@@ -83,12 +83,12 @@ class SpeedBasis:
         """Return nothing: no cycles are made."""
         return []
 
-    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> Mapping[str, float]:
-        """Return the numbers with a fault of gain: both are in proportion to the force, and c inversely so to the
+    def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
+        """Return the numbers with faults of gain: both are in proportion to the force, and c inversely so to the
         speed."""
-        F_k, c = (found.estimates[name].values[symbol] for symbol in (FRICTION, "c"))
-        force = 1.0 + fault.drive
-        return {FRICTION: F_k * force, "c": c * force / (1.0 + fault.response)}
+        scale = {FRICTION: 1.0 + fault.drive, "c": (1.0 + fault.drive) / (1.0 + fault.response)}
+        known = found.estimates[name].parameters.items()
+        return {s: p.value * scale[s] for s, p in known if p is not UNKNOWN}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the force over the speed with the law, and the friction over the size of the speed."""
@@ -143,7 +143,7 @@ def identify_friction_speed(
         k=math.nan,
         sources=tuple(rows),
         estimates={answer.name: answer},
-        odd=tuple(_odd(read, data, still, flipped)),
+        odd=tuple(_odd(read, data.stated, still, flipped)),
         head=(
             f"{data.v.size} mean {words.noun('forces')} at steady speeds from {speeds[0]:.3g} to {speeds[-1]:.3g} "
             f"{words.unit('m/s')}, with 95 % intervals"
@@ -264,13 +264,11 @@ def _departure(fit: SpeedFit) -> Iterator[Finding]:
         yield Finding("other law of speed", {"size": size, "p": p}, effect)
 
 
-def _odd(
-    records: Sequence[Record], data: SteadySpeeds, still: int, flipped: bool
-) -> Iterator[Finding]:
+def _odd(records: Sequence[Record], stated: bool, still: int, flipped: bool) -> Iterator[Finding]:
     """Yield findings on the records."""
     for record in records:
         yield from (one.about(record.name) for one in record.warnings)
-    if any(_ERROR in record for record in records) and not data.stated:
+    if any(_ERROR in record for record in records) and not stated:
         yield Finding("errors not used")
     if still:
         yield Finding("rows at rest", {"rows": still, "many": still > 1})

@@ -161,9 +161,8 @@ class Guesses:
         known = self.mapping.channels or self.mapping.sample_rate_hz or self.stepped
         if named or known or any(raw.rate_hz or raw.fault for raw in self.channels):
             return named
-        others = [
-            i for i, raw in enumerate(self.channels) if not (quantity_of(raw) or by_unit(raw))
-        ]
+        unnamed = (not (quantity_of(raw) or by_unit(raw)) for raw in self.channels)
+        others = [i for i, nothing in enumerate(unnamed) if nothing]
         rising = [i for i in others if samples.equal_step(self.values[i]) is not None]
         return [i for i in rising if not samples.counts(self.values[i])]
 
