@@ -229,8 +229,8 @@ def test_faults_change_an_answer_of_a_stated_stiffness_as_fits_to_such_lines_do(
         less, more = fitted(-1.0, faults[name]), fitted(1.0, faults[name])
         for symbol, value in found.values.items():
             change = (more[symbol] - less[symbol]) / (2.0 * value)
-            # refits iterate the errors of the lines from their start on, and 1 % moves F_k by 1.6 or 6.6 %
-            assert effects[symbol] == pytest.approx(change, rel=0.06, abs=2e-3), (name, symbol)
+            # refits iterate the errors of the lines from their start on; sliders of a gradual contact come and go
+            assert effects[symbol] == pytest.approx(change, rel=0.08, abs=2e-3), (name, symbol)
     # an uncertainty that is stated widens the intervals by as much
     stated = identify(EXAMPLE / "levels.csv", (k, 0.001 * k), contact=contact)
     less, more = (fitted(sign, Fault("", stiffness=0.001)) for sign in (-1.0, 1.0))

@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from dampbalance.identification.answer import REFERENCE, ParameterEstimate, normal
+from dampbalance.identification.answer import REFERENCE, ParameterEstimate
+from dampbalance.identification.balance_rows import estimate_of
 from dampbalance.identification.forced import ForcedBasis, identify_readings
 from dampbalance.identification.result import Result
 from dampbalance.project.wording import markdown_table
@@ -98,7 +99,8 @@ def _of_fit(result: Result[ForcedBasis]) -> dict[str, ParameterEstimate]:
     fit = result.basis.common.fit
     if fit is None or result.reference is None:
         return {}
-    return {**result.reference.parameters, "m": normal(fit.m, fit.error("m"))}
+    m = estimate_of(fit.m, np.array([fit.error("m") ** 2]), [math.inf])
+    return {**result.reference.parameters, "m": m}
 
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:

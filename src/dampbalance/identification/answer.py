@@ -288,12 +288,6 @@ def of_contact(parameters: Mapping[str, ParameterEstimate]) -> dict[str, Paramet
     return {**parameters, **({"K_z": UNKNOWN} if none and unbounded else {})}
 
 
-def normal(value: float, error: float) -> ParameterEstimate:
-    """Return a number whose error has a normal distribution."""
-    reach = NORMAL_95 * error
-    return ParameterEstimate(value, error, Interval(value - reach, value + reach))
-
-
 _NONE = np.empty((0, 0))
 
 

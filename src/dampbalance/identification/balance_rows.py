@@ -36,7 +36,7 @@ Errors = Callable[[Mapping[str, float]], Sequence[Array]]
 other."""
 
 _MOST_REPEATS = 20  # each brings C nearer by a factor of 100 or so
-_SETTLED = 1e-9  # relative change of C
+_SETTLED = 1e-9  # change of C, relative to the errors of two rows
 # Share of the work that harmonics up to a finite order leave out. Cycles without noise may repeat to the last bit.
 _EXACT = 1e-8
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
@@ -107,7 +107,8 @@ def solved(
         parts = parts_at(found)
         total = np.nan_to_num(np.sum(parts, axis=0))
         covariance = exact + (total if correlated else np.diag(np.diag(total)))
-        if np.abs(covariance - last).max() <= _SETTLED * np.abs(last).max():
+        size = np.sqrt(np.diag(last))
+        if (np.abs(covariance - last) <= _SETTLED * np.outer(size, size)).all():
             break
     misfit = white @ [-1.0, *found.values()]
     size = np.linalg.norm(white[:, 1:], axis=0)

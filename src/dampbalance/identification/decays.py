@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
@@ -358,6 +358,7 @@ def _signal(record: Record, channel: Channel, offset: int, warnings: list[Findin
     return Signal(channel.quantity, order, t, values, noise, offset, limits, channel.missing)
 
 
+@lru_cache(maxsize=4)  # asked for with each answer and fault
 def _with_mass(fit: DecayFit, mass: float) -> DecayFit | None:
     """Return the fit with a mass that is given, from the same minimum."""
     return fit.problem.climb(fit.parameters.held("m").moved(m=mass))
