@@ -58,6 +58,27 @@ def test_a_side_minimum_is_left_for_the_lowest(made, wrong):
     assert lowest.chi_square < truth.chi_square + 0.1
 
 
+def test_a_part_of_a_decay_has_the_unknowns_of_the_whole():
+    """Climbs go on from one window to the next, and from one decay alone to all of them, by the names of unknowns."""
+    whole, point = decay(1e-3)
+    later = replace(whole, start=9.0)
+    parts = (whole.cut(HALF, 3.0 * HALF), whole.cut(0.0, HALF).recut(0.1, 2.0).thinned())
+    assert {one.key("v") for one in parts} == {whole.key("v")} != {later.key("v")}
+    alone = start_of(DecayProblem((whole,), K), point)
+    both = DecayProblem((whole, replace(later, friction="other")), K).parameters(
+        alone.by_key | {"F_k[other]": 0.5}, ["F_k", "c"]
+    )
+    assert [one.key for one in both if one.free and one.name in ("F_k", "c", "rho")] == [
+        "F_k",
+        "F_k[other]",
+        "c",
+    ]
+    assert both["F_k"].value == F_K
+    assert both["F_k[other]"].value == 0.5
+    assert both[whole.key("x")].value == START
+    assert both[later.key("x")].value == 0.0
+
+
 def test_a_period_that_the_spectrum_doubled_does_not_hold_the_mass():
     """The mass is bounded below by the period; records of several pulls may show a line at half the frequency."""
     whole, point = decay(1e-2)
