@@ -13,11 +13,12 @@ from scipy.integrate import solve_ivp
 
 from blind import truths as blind
 from blind.records import records
+from dampbalance.fit.errors import jackknifed
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.document import table as rows_of_table
 from dampbalance.identification.forced import _parameter, identify_readings
-from dampbalance.identification.oscillator import LawRows, Samples, jackknifed, read_samples
+from dampbalance.identification.oscillator import LawRows, Samples, read_samples
 from dampbalance.law.law import Law
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record

@@ -27,6 +27,7 @@ from scipy import special
 from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
+from ..fit.errors import jackknifed
 from ..fit.goodness import probability
 from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
@@ -41,7 +42,6 @@ from .oscillator import (
     LawRows,
     Samples,
     covariance_of_rows,
-    jackknifed,
     read_samples,
     with_common_fit,
 )

@@ -18,6 +18,7 @@ from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..features import Features, stack
 from ..findings.finding import UNBOUNDED, Finding
+from ..fit.errors import jackknifed
 from ..fit.fit import OscillatorFit
 from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import LinearFit, improbable, linear_fit
@@ -348,21 +349,6 @@ class Microstick:
     standard_error: float
     resolved: bool
     bound: float
-
-
-def jackknifed(left: Sequence[Array]) -> Array:
-    """Return the covariance of n numbers, which leaving out groups of rows gives:
-
-        C = Σ_j (g_j − 1)/g_j Σ_i (p_ji − p̄_j)(p_ji − p̄_j)ᵀ
-
-    left : for each record j, the numbers p_ji without its group i, (n, …, g_j).
-    """
-    parts = []
-    for values in left:
-        off, groups = values - values.mean(axis=-1, keepdims=True), values.shape[-1]
-        parts.append((groups - 1) / groups * np.einsum("i...g,j...g->ij...", off, off))
-    covariance: Array = np.sum(parts, axis=0)
-    return covariance
 
 
 def covariance_of_rows(left: Sequence[Rows]) -> Array:
