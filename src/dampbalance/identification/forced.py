@@ -31,6 +31,7 @@ from ..arrays import Array
 from ..balance import Rows
 from ..features import FEATURE_COLUMNS, Features
 from ..findings.finding import UNBOUNDED, Finding
+from ..fit.errors import jackknifed
 from ..fit.fit import OscillatorFit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
@@ -68,7 +69,6 @@ from .oscillator import (
     Samples,
     common_fit,
     covariance_of_rows,
-    jackknifed,
     microstick,
     read_samples,
     with_common_fit,
