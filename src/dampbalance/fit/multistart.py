@@ -110,9 +110,10 @@ def multistart(
 
     scan : parameter along which χ² has several minima, a K_z^{−1/2}; empty for none.
     softening : parts of the amplitudes added to the errors, one after the other: a smooth way down.
-    hopeless : χ² per datum from which on a climb does not go on to less softening, unless it is one of the nearest where
-    none is enough: which of them is the best shows only then.   refined : number of these.
-    budget : evaluations after which no other start is tried.   most : of each climb on the way down.   enough : whether an end needs no other start.
+    hopeless : χ² per datum from which on a climb does not go on to less softening, unless none is enough and it is one
+    of the nearest: which of them is the best shows only then.   refined : number of these.
+    budget : evaluations after which no other start is tried.   most : evaluations of each climb on the way down.
+    enough : whether an end needs no other start.
     """
     thin, trail = problem.thinned(), Trail(budget)
     ends: list[Climb] = []
@@ -156,7 +157,7 @@ def _down(
     most: int,
     trail: Trail,
 ) -> Climb | None:
-    """Return where climbs from a start lead, with less and less softening; where they are hopeless, with χ² as it is."""
+    """Return where climbs from a start lead, with less and less softening; hopeless ones go no further."""
     for part in softening:
         end = climb_on(problem.softened(part), start, trail, gain=WAY, most=most)
         if end is None:
