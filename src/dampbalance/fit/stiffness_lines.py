@@ -332,22 +332,25 @@ class StiffnessProblem:
 
     # --- where it starts, and what it leaves --------------------------------------------------
 
-    def with_sliders(self, values: Array) -> list[Array]:
-        """Return the unknowns with one slider of each r that is tried, the linear ones solved for, best first."""
+    def with_sliders(self, values: Array) -> Array:
+        """Return the unknowns with the best of the sliders that are tried."""
         mode = self.mode(values)
         nothing = np.where(self.solved, 0.0, values)
         nothing[self._friction] = 0.0
         A, y = self.rows(nothing), -self.residual(nothing)
         r = np.geomspace(_RIGID * mode.X.min(), mode.X.max(), _TRIED + 1)[:-1]
-        each = []
-        for r_j, column in zip(r, self.weighted(secant(mode.X, r), values).T, strict=True):
-            whole = np.column_stack([A, column])
-            p, at = _nnls(whole, y), nothing.copy()
-            kappa = max(p[-1], _SOFTEST * float(np.abs(mode.Z).max()))
-            at[self.solved], at[self._friction] = p[:-1], kappa * r_j
-            at[self.start.places["rho"]] = kappa**-0.5
-            each.append((float(np.sum((whole @ p - y) ** 2)), at))
-        return [at for _, at in sorted(each, key=lambda pair: pair[0])]
+        best, least = 0, math.inf
+        columns = self.weighted(secant(mode.X, r), values)
+        whole = np.column_stack([A, columns[:, 0]])
+        for i in range(_TRIED):
+            whole[:, -1] = columns[:, i]
+            p = _nnls(whole, y)
+            if (chi_square := float(np.sum((whole @ p - y) ** 2))) < least:
+                best, least, kappa = i, chi_square, float(p[-1])
+        kappa = max(kappa, _SOFTEST * float(np.abs(mode.Z).max()))
+        nothing[self._friction] = kappa * r[best]
+        nothing[self.start.places["rho"]] = kappa**-0.5
+        return nothing
 
     def misfit(self, values: Array) -> Misfit:
         """Return the distance of the lines from a law."""
