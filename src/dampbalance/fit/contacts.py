@@ -257,7 +257,7 @@ class ContactFit(Fit):
         ).prepared()
         for _ in range(_REPEATS):
             problem = replace(problem, start=problem.ends([problem.climbed]))
-            problem = replace(problem, sigma=problem.scatter(problem.start.values)[0])
+            problem = replace(problem, sigma=problem.scatter(problem.start.values))
         found = _fit(replace(problem, start=problem.ends([problem.climbed])))
         return found.values | {"K_z": found.K_z, FRICTION: found.F_k}
 
@@ -326,11 +326,10 @@ def _asked(
         raise ValueError(
             f"{lines.X.size} lines are too few for {count} unknowns: add lines or levels, or state stiffness or mass"
         )
-    columns = problem.weighted(
-        np.array([stiffness_part(name, lines, k) for name in free]).T, start.values
-    )
-    columns = columns / np.linalg.norm(columns, axis=0)
-    if free and np.linalg.svd(columns, compute_uv=False)[-1] < _SINGULAR:
+    parts = [stiffness_part(name, lines, k) for name in free]
+    columns = problem.weighted(np.reshape(parts, (len(free), lines.X.size)).T, start.values)
+    size = np.linalg.norm(columns, axis=0)
+    if free and np.linalg.svd(columns / size, compute_uv=False)[-1] < _SINGULAR:
         raise ValueError(
             f"the lines do not separate {', '.join(free)}: add lines at other frequencies or levels, or state "
             "stiffness or mass"
@@ -362,7 +361,7 @@ def _estimated(problem: StiffnessProblem, steps: int = _ITERATIONS) -> Stiffness
         if problem.contact == "gradual":
             problem = _smoothed(problem)
         if step < steps - 1:
-            problem = replace(problem, sigma=problem.scatter(problem.start.values)[0])
+            problem = replace(problem, sigma=problem.scatter(problem.start.values))
             starts = [problem.climbed]
     return problem
 

@@ -402,9 +402,9 @@ class StiffnessProblem:
         values += left @ np.linalg.pinv(J).T
         return values, (p @ A.T - y)[:, :n]
 
-    def scatter(self, values: Array, freedom: Array | None = None) -> tuple[Array, Array]:
+    def scatter(self, values: Array, freedom: Array | None = None) -> Array:
         """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of
-        them, and which of the two kinds scatters more than its lines state, (2,).
+        them.
 
         Where lines state their errors, these count, or the errors of the fit times what each kind scatters by: the
         larger of the two. Else Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part
@@ -422,7 +422,7 @@ class StiffnessProblem:
             scattered = self.sigma * np.sqrt(
                 np.mean((left / self.sigma) ** 2, axis=1, keepdims=True) * share
             )
-            return np.maximum(scattered, stated), np.any(scattered > stated, axis=1)
+            return np.asarray(np.maximum(scattered, stated))
         # of the law, as the noise of measured values would bias the weights by its square
         Z, squares = self.lines.Z + left[0] + 1j * left[1], left**2 * share
         size, variances = np.abs(Z) ** 2, []
@@ -435,4 +435,4 @@ class StiffnessProblem:
                 variance = shares @ parts + _FLOOR**2 * size
                 shares *= (parts @ (square / variance**2)) / (parts @ (1.0 / variance))
             variances.append(shares @ parts + _FLOOR**2 * size)
-        return np.sqrt(variances), np.array([True, True])
+        return np.sqrt(variances)
