@@ -115,9 +115,11 @@ class Misfit(NamedTuple):
 
 def _nnls(A: Array, y: Array) -> Array:
     """Return coefficients ≥ 0 of least squares."""
+    if not A.shape[1]:  # SciPy's ends the process
+        return np.empty(0)
     size = np.linalg.norm(A, axis=0)
     size[size == 0.0] = 1.0
-    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * max(A.shape[1], 1))[0] / size)
+    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * A.shape[1])[0] / size)
 
 
 @dataclass(frozen=True, eq=False)
