@@ -13,6 +13,7 @@ import pytest
 
 from blind.other_motion import STEPS, Departure, steady
 from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.fit.multistart import Trail
 from dampbalance.fit.nuisances import FALLING, FOLDED, NUISANCES, in_other_frame
 from dampbalance.fit.steady_search import fit_records, refit
 from dampbalance.fit.waveforms import HarmonicProblem
@@ -116,6 +117,18 @@ def test_records_of_the_model_show_none():
         assert max(abs(one.size) for one in fit.departures.values()) < 4.0
 
 
+@pytest.mark.parametrize("size", [1.0, 0.01])
+def test_errors_are_those_of_the_likelihood_whatever_the_size_of_the_motion(size):
+    """One standard error away χ² is larger by one, a motion of millimetres or of a hundredth of that, in which k_3 has
+    ten thousand times the number."""
+    osc = replace(PAPER, F_k=size * PAPER.F_k)
+    orbits = orbits_at(HZ, [size * Y for Y in LEVELS], osc)
+    freed = refit(fit_records([lines_of(one, 5e-8 * size) for one in orbits], osc.k), ["k_3"])
+    for name in ("m", "k_3"):
+        away = refit(freed, given={name: freed.value(name) + freed.error(name)})
+        assert away.chi_square - freed.chi_square == pytest.approx(1.0, abs=0.01)
+
+
 @pytest.mark.parametrize("gain", [0.01, -0.01])
 def test_the_gain_of_a_drive_is_also_that_of_what_is_added_to_a_relative_motion(gain):
     def change(one):
@@ -149,10 +162,12 @@ def test_the_harmonics_of_the_base_read_too_large_are_so_in_the_model():
     )
     problem = HarmonicProblem(Law(), (read,), osc.k)
     values = {"F_k": osc.F_k, "c": osc.c, "rho": osc.K_z**-0.5, "m": osc.m, "gain": 0.01}
-    point = np.array([*(values.get(name, 0.0) for name in problem.names), one.Y, 0.0])
+    point = problem.parameters.moved(**values, **{"Y[1]": one.Y})
+
+    def chi_square(at):
+        residual = problem.evaluate(at.values, at.free, Trail())[:, -1]
+        return residual @ residual
+
     # the integrator's error is a tenth of the noise stated
-    residual = problem.evaluate(point)[:, -1]
-    assert residual @ residual < 0.1
-    point[problem.names.index("gain")] = 0.0
-    residual = problem.evaluate(point)[:, -1]
-    assert residual @ residual > 1e3
+    assert chi_square(point) < 0.1
+    assert chi_square(point.moved(gain=0.0)) > 1e3

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +12,9 @@ import pytest
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.fit import steady_search as fitting
 from dampbalance.fit.climb import climb
-from dampbalance.fit.steady_search import _shares_of, fit_records, refit
+from dampbalance.fit.multistart import Trail
+from dampbalance.fit.parameters import Parameters
+from dampbalance.fit.steady_search import fit_records, refit
 from dampbalance.fit.waveforms import HarmonicProblem, WaveformFit
 from dampbalance.law.law import Law
 from dampbalance.motion.law_steady import Response, steady_response
@@ -31,8 +33,8 @@ CLOSE = 1e-3
 def off(fit: WaveformFit, osc: Oscillator) -> np.ndarray:
     """F_k, c, K_z^{−1/2} and, unless it was given, m of the fit less the truth, in standard errors."""
     true = (osc.F_k, osc.c, osc.K_z**-0.5, osc.m)
-    known = [j for j, name in enumerate(NAMES[:4]) if fit.error(name)]
-    return np.array([(fit.point[j] - true[j]) / fit.error(NAMES[j]) for j in known])
+    known = [(name, at) for name, at in zip(NAMES, true, strict=True) if fit.error(name)]
+    return np.array([(fit.value(name) - at) / fit.error(name) for name, at in known])
 
 
 @pytest.mark.parametrize(
@@ -58,7 +60,8 @@ def test_exact_harmonics_give_the_exact_oscillator_in_every_regime(osc, at, regi
     assert fit.adequate
     assert not fit.rigid
     assert fit.undamped == ()
-    assert fit.slips.tolist() == [orbit.regime != Regime.NO_SLIP for orbit in orbits]
+    slips = [one.slips for one in fit.responses]
+    assert slips == [orbit.regime != Regime.NO_SLIP for orbit in orbits]
     assert fit.freedom == len(at) * (2 + 2 * 12) - 4 - 2 * len(at)
     assert fit.natural_frequency_hz == pytest.approx(osc.omega_n / (2.0 * math.pi), rel=1e-5)
     for waveform, orbit in zip(fit.waveforms, orbits, strict=True):
@@ -90,17 +93,17 @@ def test_a_fit_holds_from_starts_that_need_no_orbits(osc, hz, regime, monkeypatc
     assert np.abs(off(fit, osc)).max() < 1e-2
 
 
-def point_of(problem: HarmonicProblem, Y: float, psi: float = 0.0, **values: float) -> np.ndarray:
-    """The point of one record with these common unknowns, the others being zero."""
-    return np.array([*(values.get(name, 0.0) for name in problem.names), Y, psi])
-
-
-def residuals() -> tuple[HarmonicProblem, np.ndarray]:
-    """Residuals of one record, and the point of its oscillator."""
+def residuals() -> tuple[HarmonicProblem, Parameters]:
+    """Residuals of one record, and the unknowns of its oscillator."""
     (orbit,) = orbits_at(NEAR, [0.004])
     problem = HarmonicProblem(Law(), (lines_of(orbit, EXACT),), PAPER.k)
     rho = PAPER.K_z**-0.5
-    return problem, point_of(problem, 0.004, F_k=PAPER.F_k, c=PAPER.c, rho=rho, m=PAPER.m)
+    return problem, problem.parameters.moved(F_k=PAPER.F_k, c=PAPER.c, rho=rho, m=PAPER.m)
+
+
+def evaluated(of: HarmonicProblem, at: Parameters) -> np.ndarray | None:
+    """What the problem gives there, from nothing."""
+    return of.evaluate(at.values, at.free, Trail())
 
 
 @pytest.mark.parametrize(
@@ -108,10 +111,9 @@ def residuals() -> tuple[HarmonicProblem, np.ndarray]:
     [("m", -1.0), ("F_k", math.nan), ("c", math.inf), ("rho", 0.0), ("rho", 1e-200)],
 )
 def test_numbers_that_no_oscillator_has_are_no_motion(name, value):
-    of, point = residuals()
-    assert of.evaluate(point) is not None
-    point[of.names.index(name)] = value
-    assert of.evaluate(point) is None
+    of, at = residuals()
+    assert evaluated(of, at) is not None
+    assert evaluated(of, at.moved(**{name: value})) is None
 
 
 @pytest.mark.parametrize(
@@ -128,13 +130,24 @@ def test_a_defect_is_not_taken_for_a_point_without_motion(error, hidden, monkeyp
     def failing(*_, **__):
         raise error
 
-    of, point = residuals()
+    of, at = residuals()
     monkeypatch.setattr("dampbalance.motion.law_steady.steady_orbit_near", failing)
     if hidden:
-        assert of.evaluate(point) is None
+        assert evaluated(of, at) is None
     else:
         with pytest.raises(type(error)):
-            of.evaluate(point)
+            evaluated(of, at)
+
+
+def test_what_was_evaluated_before_changes_no_residual():
+    """A motion is the same whether it is found from nothing or from another one."""
+    of, at = residuals()
+    trail, alone = Trail(), evaluated(of, at)
+    of.evaluate(at.moved(F_k=0.5 * PAPER.F_k, c=2.0 * PAPER.c).values, at.free, trail)
+    again = of.evaluate(at.values, at.free, trail)
+    assert again[:, -1] == pytest.approx(alone[:, -1], abs=1e-3)  # standard errors
+    trail.left = 0.0
+    assert of.evaluate(at.values, at.free, trail) is None
 
 
 def test_slopes_are_those_of_orbits_beside():
@@ -146,7 +159,7 @@ def test_slopes_are_those_of_orbits_beside():
 
     def of(point: np.ndarray, i: int) -> tuple[np.ndarray, np.ndarray, float]:
         F_k, c, rho, m = point[:4]
-        Y, psi = point[len(fit.names) + 2 * i :][:2]
+        Y, psi = (point[fit.parameters.places[f"{name}[{i + 1}]"]] for name in ("Y", "psi"))
         osc = Oscillator(m=m, c=c, k=WEAK.k, K_z=rho**-2, F_k=F_k)
         orbit = steady_orbit(osc, BaseMotion(Y, fit.lines[i].omega))
         n = np.arange(1, 2 * count, 2)
@@ -154,7 +167,7 @@ def test_slopes_are_those_of_orbits_beside():
         return orbit.harmonics(count) * np.exp(1j * n * psi), onset, 2.0 * F_k * rho**2
 
     for i, waveform in enumerate(fit.waveforms):
-        for j in np.flatnonzero(fit.problem.free):
+        for j in np.flatnonzero(fit.parameters.free):
             step = 1e-5 * (fit.point[j] or 1.0)
             beside = np.zeros(fit.point.size)
             beside[j] = step
@@ -179,7 +192,7 @@ def test_what_moves_a_datum_moves_the_answer_as_the_response_says():
     """Against fits to the moved data."""
     lines = [lines_of(orbit, 1e-6) for orbit in orbits_at(3.5, (0.006, 0.012))]
     fit = fit_records(lines, PAPER.k)
-    for i, place in enumerate(fit.places):
+    for i, place in enumerate(fit.problem.places):
         for datum, change in (
             (0, {"Y": 1e-6}),
             (2, {"x": np.eye(1, 12)[0] * 1e-6}),
@@ -219,7 +232,7 @@ def test_the_misfit_is_that_of_noise(draws):
     assert all(fit.adequate for fit in draws)
     for fit in draws[:3]:
         assert fit.chi_square == pytest.approx(float(fit.residual @ fit.residual))
-        sizes = [place.stop - place.start for place in fit.places]
+        sizes = [place.stop - place.start for place in fit.problem.places]
         assert fit.misfits @ sizes == pytest.approx(fit.chi_square)
 
 
@@ -338,7 +351,7 @@ def test_from_a_side_minimum_along_the_stiffness_the_search_goes_on(apart, monke
     fit = fit_records(lines, osc.k)
     assert fit.adequate
     assert np.abs(off(fit, osc)).max() < 4.0
-    monkeypatch.setattr("dampbalance.fit.minimise.minima_along", lambda *_: [])
+    monkeypatch.setattr("dampbalance.fit.multistart.minima_along", lambda *_: [])
     assert not fit_records(lines, osc.k).adequate
 
 
@@ -366,32 +379,6 @@ def test_records_of_another_kind_are_not_adequate():
     assert fit.misfits[0] > 3.0 * fit.misfits[1]
 
 
-def test_of_climbs_that_end_far_away_the_three_nearest_are_refined(monkeypatch):
-    # χ² where a climb of few steps ends → where it ends once refined: the best is not the nearest at first
-    ends = {900.0: 800.0, 500.0: 450.0, 510.0: 440.0, 510.1: 440.0, 520.0: 300.0, 530.0: 200.0}
-    reached = iter(ends)
-
-    @dataclass(frozen=True)
-    class End:
-        chi_square: float
-        point: float
-        evaluations: int = 10
-        misfit: float = 9.0
-        adequate: bool = False
-
-    def climbed(unknowns, point, hopeless=math.inf, last=30, **options):
-        if last > 30:
-            return End(0.9 * point, point)
-        chi = next(reached, None) if math.isfinite(hopeless) else ends[point]
-        return chi and End(chi, chi)
-
-    monkeypatch.setattr(fitting, "_climbed", climbed)
-    monkeypatch.setattr(fitting, "of_all_stiffnesses", lambda fit: fit)
-    fit = fit_records([lines_of(orbits_at(3.5, (0.004,))[0], 1e-6)], PAPER.k)
-    assert fit.chi_square == 0.9 * 300.0
-    assert fit.evaluations == 10 * (len(ends) + 3 + 1)
-
-
 def test_a_search_that_leads_nowhere_ends_and_keeps_the_nearest(monkeypatch):
     orbits = orbits_at(3.5, (0.004, 0.008, 0.012))
     lines = [lines_of(orbit, 1e-6) for orbit in orbits]
@@ -401,7 +388,7 @@ def test_a_search_that_leads_nowhere_ends_and_keeps_the_nearest(monkeypatch):
     def counted(evaluate, *arguments, **options):
         return climb(lambda *at: made.append(1) or evaluate(*at), *arguments, **options)
 
-    monkeypatch.setattr("dampbalance.fit.minimise.climb", counted)
+    monkeypatch.setattr("dampbalance.fit.multistart.climb", counted)
     fit = fit_records(turned, PAPER.k)
     assert not fit.adequate
     # twice 600 and the climb under way, three that are refined, 600 along K_z, one to its optimum
@@ -442,7 +429,7 @@ def test_the_damping_that_is_given_has_no_share_in_the_search():
     lines = tuple(lines_of(orbit, EXACT) for orbit in orbits_at(NEAR))
 
     def shares(law: Law) -> np.ndarray:
-        return _shares_of(HarmonicProblem(law, lines, PAPER.k)).damping
+        return HarmonicProblem(law, lines, PAPER.k).shares.damping
 
     alone, quadratic = shares(Law(("F_k", "c"), given={"c": 20.0})), shares(Law(("F_k", "c_2")))
     both = shares(Law(("F_k", "c", "c_2"), given={"c": 20.0}))
@@ -466,7 +453,7 @@ def test_a_law_without_viscous_damping_has_none():
     law, motion = Law(("F_k", "c_2")), motions_at(NEAR, (0.008,))[0]
     problem = HarmonicProblem(law, (lines_of(steady_orbit(PAPER, motion), EXACT),), PAPER.k)
     values = {"F_k": 1.28, "c_2": 400.0, "rho": PAPER.K_z**-0.5, "m": PAPER.m}
-    point = point_of(problem, motion.Y, **values)
+    point = problem.parameters.moved(**values).values
     expected = steady_response(replace(PAPER, c=0.0), motion, {"c_2": 400.0})
     found = problem.response(point, 0)
     np.testing.assert_allclose(found.harmonics(5), expected.harmonics(5), rtol=1e-9)

@@ -26,6 +26,7 @@ from scipy import special
 
 from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
+from ..law.terms import FRICTION
 from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
@@ -239,8 +240,13 @@ def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFi
     which to start."""
     if problem.degrees.min() < 1.0:
         return None
-    problem = problem.prepared()
-    found = climbs(problem, _starts(problem, near), math.inf)
+    points, unknowns = _starts(problem, near), problem.start
+    if not points:
+        return None
+    rubs = np.array([name == FRICTION for name in unknowns.names])
+    unknowns = replace(unknowns, low=np.where(rubs, 1e-9 * points[0], unknowns.low))
+    problem = replace(problem, start=unknowns).prepared()
+    found = climbs(problem, [problem.climbed.at(point) for point in points], math.inf)
     ends = [end for at in found if (end := _fitted(problem, at.parameters)) is not None]
     if not ends:
         return None
@@ -268,8 +274,8 @@ def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProble
     return best
 
 
-def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Parameters]:
-    """Return where to start: near a fit, or where the work of the fundamentals is balanced, the closest of some contact
+def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Array]:
+    """Return points from which to start: near a fit, or where the work of the fundamentals is balanced, the closest of some contact
     stiffnesses; with each turn of the phase where that is fitted."""
     exact, places = problem.exact, problem.start.places
     if near is None:
@@ -290,4 +296,4 @@ def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Parameters]:
             point + turn * np.eye(point.size)[places["delay"]]
             for point, turn in zip(points, turns, strict=True)
         ]
-    return [problem.climbed.at(np.where(problem.solved, 0.0, point)) for point in points]
+    return [np.where(problem.solved, 0.0, point) for point in points]

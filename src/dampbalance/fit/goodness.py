@@ -98,12 +98,12 @@ def linear_fit(
     )
 
 
-def improbable(chi_square: float, freedom: int, lines: Sequence[Lines]) -> bool:
+def improbable(chi_square: float, freedom: float, lines: Sequence[Lines]) -> bool:
     """Return whether noise makes a χ² as large as this hardly ever (`P_OF_THE_MODEL`)."""
     return probability(chi_square, freedom, lines) < P_OF_THE_MODEL
 
 
-def probability(chi_square: float, freedom: int, lines: Sequence[Lines]) -> float:
+def probability(chi_square: float, freedom: float, lines: Sequence[Lines]) -> float:
     """Return the probability of a χ² as large as this in noise; 1 without freedom.
 
     The errors come from a number of rows, and so it has an F distribution.

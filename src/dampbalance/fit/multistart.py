@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .climb import GAIN, MOST_EVALUATIONS, Climb, climb
+from .climb import MOST_EVALUATIONS, Climb, climb
 from .errors import inverse_information
 from .parameters import Parameters
 
@@ -101,6 +101,7 @@ def multistart(
     hopeless: float = math.inf,
     refined: int = 0,
     budget: float = math.inf,
+    most: int = _ON_THE_WAY,
     enough: Callable[[Climb], bool] | None = None,
 ) -> list[Any]:
     """Return the minima that climbs from some starts and a scan find, the lowest first; empty where there is no motion.
@@ -109,15 +110,16 @@ def multistart(
 
     scan : parameter along which χ² has several minima, a K_z^{−1/2}; empty for none.
     softening : parts of the amplitudes added to the errors, one after the other: a smooth way down.
-    hopeless : χ² per datum from which on a climb does not go on to less softening, unless it is one of the nearest where
-    none is enough: which of them is the best shows only then.   refined : number of these.
-    budget : evaluations after which no other start is tried.   enough : whether an end needs no other start.
+    hopeless : χ² per datum from which on a climb does not go on to less softening, unless none is enough and it is one
+    of the nearest: which of them is the best shows only then.   refined : number of these.
+    budget : evaluations after which no other start is tried.   most : evaluations of each climb on the way down.
+    enough : whether an end needs no other start.
     """
     thin, trail = problem.thinned(), Trail(budget)
     ends: list[Climb] = []
     for start in starts:
         trail.near = {}
-        end = _down(thin, start, softening, hopeless, trail)
+        end = _down(thin, start, softening, hopeless, most, trail)
         ends += [end] if end is not None else []
         if trail.left <= 0.0 or (end is not None and enough is not None and enough(end)):
             break
@@ -126,7 +128,7 @@ def multistart(
         different = [b for a, b in pairwise(ends) if b.chi_square > a.chi_square * _NEARLY]
         for one in (ends[0], *different)[:refined]:
             own = Trail(MOST_EVALUATIONS * (1.0 + len(softening[1:])))
-            ends += filter(None, [_down(thin, one.parameters, softening[1:], math.inf, own)])
+            ends += filter(None, [_down(thin, one.parameters, softening[1:], math.inf, most, own)])
             trail.made += own.made
     found = distinct(ends)
     if found and scan and found[0].parameters[scan].free:
@@ -137,18 +139,27 @@ def multistart(
     near, trail.left = likely(found, problem, thin), max(trail.left, MOST_EVALUATIONS)
     if thin is not problem:
         near = climbs(problem, [one.parameters for one in near], trail=trail)
-    full = [climb_on(problem, one.parameters, trail, gain=GAIN, known=one.products) for one in near]
+    far = math.inf if refined else hopeless * thin.samples
+    full = [
+        climb_on(problem, one.parameters, trail, known=one.products, most=most)
+        for one in near
+        for most in [MOST_EVALUATIONS if one.chi_square < far else 0]
+    ]
     fits = filter(None, (problem.fit(one) for one in distinct(full)))
     return [replace(one, evaluations=trail.made) for one in fits]
 
 
 def _down(
-    problem: Any, start: Parameters, softening: Sequence[float], hopeless: float, trail: Trail
+    problem: Any,
+    start: Parameters,
+    softening: Sequence[float],
+    hopeless: float,
+    most: int,
+    trail: Trail,
 ) -> Climb | None:
-    """Return where climbs from a start lead, with less and less softening; where they are hopeless, with χ² as it is."""
-    most = _ON_THE_WAY
+    """Return where climbs from a start lead, with less and less softening; hopeless ones go no further."""
     for part in softening:
-        end = climb_on(problem.softened(part), start, trail, gain=WAY)
+        end = climb_on(problem.softened(part), start, trail, gain=WAY, most=most)
         if end is None:
             break
         start = end.parameters

@@ -59,6 +59,7 @@ def fit_records(
         hopeless=_HOPELESS,
         refined=_REFINED,
         budget=_EFFORT,
+        most=MOST_EVALUATIONS,
         enough=problem.explains,
     )
     best = _nearest(near, *found[:1])

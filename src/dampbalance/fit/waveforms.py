@@ -59,7 +59,7 @@ TURNS_PER_EVALUATION = 200.0
 _MOST_TURNS = 2e4  # of an orbit whose derivatives are computed: 0.1 s
 _MOST_PHASES_FITTED = 64  # of half a cycle: to follow a contact that rattles on takes long
 _SMALL = 1e-3  # of the drive: the force of a damper that counts as none
-_LEAST = 1e-12  # of the drive and of its mass k/ω²: the least friction and mass
+_LEAST = 1e-9  # of the friction that takes all work, and of the mass k/ω²: the least of both
 _GAIN_WHEN_CONVERGED = 5e-3  # in −log L: half the square of a tenth of a standard error
 # Odd harmonics of the waveform: beyond them lies less than 1e-6 of its velocity.
 _HARMONICS_OF_WAVEFORM = 128
@@ -99,29 +99,17 @@ class HarmonicProblem:
         """All unknowns, at rest under the drives that were read; the least ρ stands for a rigid contact. Free are those
         of the law, ρ and m, Y and ψ, and what folds where it makes a difference."""
         fastest = max(one.omega for one in self.lines)
-        X, Y = (max(sizes) for sizes in zip(*((abs(one.x[0]), one.Y) for one in self.lines)))
-        units = units_of(self.k, fastest, X, Y)
-        scale = {
-            self.law.key(s, i): _SMALL
-            * (self.k * one.Y / (one.omega * abs(one.x[0])))
-            * equivalent_coefficient(s, one, self.k)
-            for s in self.law.terms[1:]
-            for i, one in enumerate(self.lines)
-        }
+        X, Y = np.array([(abs(one.x[0]), one.Y) for one in self.lines]).T
+        units = units_of(self.k, fastest, float(X.max()), float(Y.max()))
+        small = _SMALL * self.k * Y / np.array([one.omega for one in self.lines]) / X
         rows = []
         for key in self.law.keys:
             value, free = self.law.given.get(key, 0.0), key not in self.law.given
-            low = 0.0 if key in scale else _LEAST * self.k * Y
-            rows.append(
-                Parameter(
-                    key.symbol,
-                    value,
-                    low,
-                    free=free,
-                    scale=scale.get(key, 0.0),
-                    group=key.group or "",
-                )
-            )
+            low, scale = 0.0, float(max(small * self.equivalents(key.symbol)))
+            if key.symbol == FRICTION:
+                low, scale = _LEAST * float(max(self._rubbed)), 0.0
+            own = key.group or ""
+            rows.append(Parameter(key.symbol, value, low, free=free, scale=scale, group=own))
         rows += [
             Parameter("rho", 0.0, 1.0 / math.sqrt(STIFFEST * self.k), scale=0.0),
             Parameter("m", 0.0, _LEAST * self.k / fastest**2, scale=0.0),
@@ -137,11 +125,12 @@ class HarmonicProblem:
         return Parameters.of(rows)
 
     def start(self, candidate: Array) -> Parameters:
-        """Return the unknowns of an oscillator (F_k, c, K_z, m) of `starts`; friction differs by the `shares` of groups,
-        and the work of c is shared out among the terms that are not given."""
+        """Return the unknowns of an oscillator (F_k, c, K_z, m) of `starts`: friction differs by the `shares` of the
+        groups, and the work of c is shared out among the terms that are not given."""
         F_k, c, K_z, m = candidate.tolist()
-        law, values = self.law, {"rho": K_z**-0.5, "m": m}
-        equivalents = {s: float(np.median(self.equivalents(s))) for s in law.terms}
+        law = self.law
+        values: dict[str, float] = {"rho": K_z**-0.5, "m": m}
+        equivalents = {str(s): float(np.median(self.equivalents(s))) for s in law.terms}
         known = math.fsum(p / equivalents[s] for s, p in law.given.items() if s != FRICTION)
         free = [s for s in law.terms[1:] if s not in law.given]
         for i, part in enumerate(self.shares.friction.tolist()):
@@ -161,16 +150,21 @@ class HarmonicProblem:
         into friction; the work of the terms that are not given, over the median of the records."""
         law, lines = self.law, self.lines
         labels = law.groups.get(FRICTION, ("",) * len(lines))
-        alone = np.array(
-            [max(-one.Y * one.x[0].imag / abs(one.x[0]), 1e-9 * one.Y) for one in lines]
-        )
-        means = {label: alone[[other == label for other in labels]].mean() for label in labels}
+        means = {one: self._rubbed[[other == one for other in labels]].mean() for one in labels}
         force = np.array([means[label] for label in labels])
         equivalents = [self.equivalents(s) for s in law.terms[1:] if s not in law.given]
         damping = np.ones(len(lines))
         if equivalents:
             damping = np.mean([np.median(of) / of for of in equivalents], axis=0)
         return Shares(force / np.mean(list(means.values())), damping)
+
+    @cached_property
+    def _rubbed(self) -> Array:
+        """Friction force of each record if all of its work went into friction, N, (n,)."""
+        sines = [max(-one.x[0].imag / abs(one.x[0]), 1e-9) for one in self.lines]
+        return np.array(
+            [self.k * one.Y * sine for one, sine in zip(self.lines, sines, strict=True)]
+        )
 
     @property
     def samples(self) -> int:
@@ -514,11 +508,6 @@ class WaveformFit(OscillatorFit):
             Z, law = one.Y / x, base / (x + one.x_error[0] * (re[0] + 1j * im[0]))
             squares.append(((law - Z).real / (abs(Z) * one.relative_error)) ** 2)
         return np.array(squares)
-
-    @property
-    def slips(self) -> Mask:
-        """Which records slip."""
-        return np.array([response.slips for response in self.responses])
 
     @cached_property
     def departures(self) -> dict[str, Departure]:

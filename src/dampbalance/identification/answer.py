@@ -19,7 +19,7 @@ from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding, grouped
 from ..findings.words import Vocabulary, sentence
-from ..fit.oscillator_fit import OscillatorFit
+from ..fit.fit import OscillatorFit
 from ..law.terms import FRICTION, term
 from ..solver import NORMAL_95
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
-from ..fit.oscillator_fit import OscillatorFit
+from ..fit.fit import OscillatorFit
 from ..law.terms import FRICTION, term
 from ..project.wording import listed
 from ..signals.checks import is_clipped

@@ -131,10 +131,11 @@ def explanations(
     # behind four the first order is no guide
     fits: list[tuple[tuple[str, ...], WaveformFit | None]]
     fits = [((name,), _converged(_with(fit, name))) for name in likely[:4]]
-    for turned in _like(near) if near is not None else ():
+    if near is not None:
         start = replace(fit.problem.like(near), free=fit.parameters.free)
-        start = start.freed(*turned).moved(**turned)
-        fits.append(((*turned,), _converged(fit_from(fit.problem, start))))
+        for turned in _like(near):
+            moved = start.freed(*turned).moved(**turned)
+            fits.append(((*turned,), _converged(fit_from(fit.problem, moved))))
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
         others = [in_other_frame(one) for one in lines]
@@ -185,8 +186,8 @@ def _converged(fit: WaveformFit | None) -> WaveformFit | None:
 
 
 def _like(near: FundamentalFit) -> Iterator[dict[str, float]]:
-    """Yield the departures of a fit to the fundamentals with their values, and with the AC coupling that turns the phase
-    of the first record as far as its delay does."""
+    """Yield the departures of a fit to the fundamentals with their values, and with the AC coupling that turns the
+    phase of the first record as far as its delay does."""
     values = {name: near.value(name) for name in near.departures}
     if values:
         yield values

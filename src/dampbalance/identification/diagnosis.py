@@ -12,9 +12,9 @@ import numpy as np
 from scipy import special
 
 from ..findings.finding import Finding
+from ..fit.fit import OscillatorFit
 from ..fit.fundamentals import FundamentalFit
 from ..fit.goodness import LinearFit
-from ..fit.oscillator_fit import OscillatorFit
 from ..fit.waveforms import WaveformFit
 from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import P_CAUSE, SHOWS

@@ -31,7 +31,7 @@ from ..arrays import Array
 from ..balance import Rows
 from ..features import FEATURE_COLUMNS, Features
 from ..findings.finding import UNBOUNDED, Finding
-from ..fit.oscillator_fit import OscillatorFit
+from ..fit.fit import OscillatorFit
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term

@@ -54,7 +54,7 @@ class Probability:
     """A χ² with its degrees of freedom and its p-value, that of one as large in noise; NaN without freedom."""
 
     chi_square: float
-    degrees_of_freedom: int
+    degrees_of_freedom: float
     p: float
 
 

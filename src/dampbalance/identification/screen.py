@@ -14,7 +14,7 @@ import numpy as np
 from ..findings.finding import Finding
 from ..findings.words import PER_SI, in_a_sentence, limit, unit_of
 from ..findings.words import sentence as worded
-from ..fit.oscillator_fit import OscillatorFit
+from ..fit.fit import OscillatorFit
 from ..law.terms import FRICTION
 from ..project.wording import (
     cut,
