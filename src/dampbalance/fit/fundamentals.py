@@ -275,8 +275,8 @@ def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProble
 
 
 def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Array]:
-    """Return points from which to start: near a fit, or where the work of the fundamentals is balanced, the closest of some contact
-    stiffnesses; with each turn of the phase where that is fitted."""
+    """Return points from which to start: near a fit, or where the work of the fundamentals is balanced, the closest of
+    some contact stiffnesses; with each turn of the phase where that is fitted."""
     exact, places = problem.exact, problem.start.places
     if near is None:
         one_harmonic = [
