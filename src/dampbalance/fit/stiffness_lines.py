@@ -412,12 +412,13 @@ class StiffnessProblem:
         larger of the two. Else Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part
         of the loss, and one of the measurement; by largest likelihood (multiplicative updates).
 
-        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns.
+        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns that are not
+        zero.
         """
         n = self.lines.X.size
         left = self.residual(values).reshape(2, n) * self.sigma
         if freedom is None:
-            freedom = np.full(2, max(n - 0.5 * np.count_nonzero(self.used(values)), 0.5))
+            freedom = np.full(2, max(n - 0.5 * np.count_nonzero(values[self.start.free]), 0.5))
         share = n / freedom[:, None]
         if self.lines.error is not None:
             stated = np.broadcast_to(np.abs(self.lines.Z) * self.lines.error, (2, n))
