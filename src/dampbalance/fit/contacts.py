@@ -362,7 +362,7 @@ def _estimated(problem: StiffnessProblem, steps: int = _ITERATIONS) -> Stiffness
             problem = _smoothed(problem)
         if step < steps - 1:
             problem = replace(problem, sigma=problem.scatter(problem.start.values))
-            starts = [problem.climbed]
+            starts = [problem.climbed, *_starts(problem)]
     return problem
 
 
