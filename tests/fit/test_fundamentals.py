@@ -7,8 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from blind.gradual import steady_on
 from blind.other_motion import Departure, steady
-from dampbalance.fit.fundamentals import fit_fundamentals
+from dampbalance.fit.contacts import fit_contact
+from dampbalance.fit.fundamentals import fit_fundamentals, stiffness_lines
+from dampbalance.law.contact import Sliders
 from dampbalance.signals.lines import Lines
 
 M, C, K, K_Z, F_K, HZ = 2.0, 4.0, 2000.0, 30000.0, 0.4, 4.6
@@ -72,3 +75,22 @@ def test_few_levels_have_wide_intervals():
         low, high = fit_fundamentals(lines_of(Departure(), levels), K).interval("F_k")
         widths.append(high - low)
     assert widths[0] > 2.0 * widths[1]
+
+
+def test_fundamentals_have_the_loss_of_a_contact_that_yields_gradually():
+    """A single slider loses as much at one amplitude only; truth: 16 sliders, integrated independently."""
+    contact = Sliders(np.geomspace(3e-5, 3e-3, 16), np.linspace(400.0, 100.0, 16))
+    rows = np.column_stack([contact.kappa, contact.kappa * contact.r, np.zeros(16)])
+    omega, phases, lines = 2.0 * math.pi * HZ, np.arange(4096) * (2.0 * math.pi / 4096), []
+    for Y in np.geomspace(2e-4, 4e-3, 8).tolist():
+        motion = steady_on(rows, M, C, K, Y, omega)
+        x = 2.0 * np.fft.rfft(motion(phases)[0])[1:2] / 4096
+        lines.append(Lines(omega, Y, NOISE * Y, np.array([1]), x, NOISE * np.abs(x), 40))
+    each = stiffness_lines(lines, K)
+    known = {"given": {"c": C}, "stiffness": K, "mass": M, "hardening": False}
+    fit = fit_contact(each, contact="gradual", **known)
+    X = np.geomspace(*fit.X_range, 9)
+    true = contact.loss(X) + math.pi * C * omega * X**2
+    assert fit.loss(X, omega).value == pytest.approx(true, rel=0.04)
+    one = fit_contact(each, contact="one slider", **known)
+    assert np.max(np.abs(one.loss(X, omega).value / true - 1.0)) > 0.15

@@ -236,7 +236,7 @@ def test_a_frequency_response_may_be_in_decibels_and_in_a_file_for_each_level(tm
     (both,) = read_records({"force (N)": np.full(HZ.size, 3.0), **of})
     require_truth(both.table.levels, (3.0,))
     with pytest.raises(RecordError, match="dB of what"):
-        levels_of({"force (N)": of["f (Hz)"], **of, "receptance (dB)": of.pop(name)})
+        levels_of({"force (N)": HZ, "receptance (dB)": of.pop(name), **of})
 
 
 def test_a_coherence_gives_the_error_of_each_line():

@@ -257,7 +257,7 @@ class ContactFit(Fit):
         ).prepared()
         for _ in range(_REPEATS):
             problem = replace(problem, start=problem.ends([problem.climbed]))
-            problem = replace(problem, sigma=problem.scatter(problem.start.values)[0])
+            problem = replace(problem, sigma=problem.scatter(problem.start.values))
         found = _fit(replace(problem, start=problem.ends([problem.climbed])))
         return found.values | {"K_z": found.K_z, FRICTION: found.F_k}
 
@@ -266,9 +266,27 @@ _OF_CONTACT = (FRICTION, "rho", "kappa", "R", "delay")
 
 
 @one_thread
-def fit_contact(
+def fit_contact(lines: StiffnessLines, *, contact: Contact, **options: Any) -> ContactFit:
+    """Identify a contact and the damping from steady responses at several amplitudes.
+
+    Use it for tables of a stepped sine, and for the fundamentals of forced records. "one slider" is the contact of the
+    paper; a bolted joint, which yields gradually, needs "gradual"; `compare_contacts` says which one the lines support.
+
+    lines : steady responses.
+    contact : "none", "one slider" or "gradual".
+    terms : of the damping in addition to the contact, of `law.terms.KNOWN_TERMS`; default, c.
+    given : coefficients of terms that are known.
+    stiffness, mass : k, N/m, and m, kg, where they are known.
+    hardening : whether the spring may stiffen, ¾k_3X²; default, it may.
+    residual : whether other modes move the driven point, too: R; default, they do not.
+
+    Raises ValueError for lines that do not determine the unknowns.
+    """
+    return _fit(_estimated(_asked(lines, contact, **options)))
+
+
+def _asked(
     lines: StiffnessLines,
-    *,
     contact: Contact,
     terms: Sequence[str] = ("c",),
     given: Mapping[str, float] | None = None,
@@ -276,35 +294,6 @@ def fit_contact(
     mass: float | None = None,
     hardening: bool = True,
     residual: bool = False,
-) -> ContactFit:
-    """Identify a contact and the damping from steady responses at several amplitudes.
-
-    Use it for tables of a stepped sine. "one slider" is the contact of the paper; a bolted joint, which yields
-    gradually, needs "gradual"; `compare_contacts` says which one the lines support.
-
-    lines : steady responses.
-    contact : "none", "one slider" or "gradual".
-    terms : of the damping in addition to the contact, of `law.terms.KNOWN_TERMS`.
-    given : coefficients of terms that are known.
-    stiffness, mass : k, N/m, and m, kg, where they are known.
-    hardening : whether the spring may stiffen, ¾k_3X².
-    residual : whether other modes move the driven point, too: R.
-
-    Raises ValueError for lines that do not determine the unknowns.
-    """
-    asked = _asked(lines, contact, terms, given or {}, stiffness, mass, hardening, residual)
-    return _fit(_estimated(asked))
-
-
-def _asked(
-    lines: StiffnessLines,
-    contact: Contact,
-    terms: Sequence[str],
-    given: Mapping[str, float],
-    stiffness: float | None,
-    mass: float | None,
-    hardening: bool,
-    residual: bool,
 ) -> StiffnessProblem:
     """Return the problem of what was asked for, with the errors to start from. Raises ValueError."""
     low, high = float(lines.X.min()), float(lines.X.max())
@@ -316,7 +305,7 @@ def _asked(
         )
     for name in terms:
         _require_told(name, stiffness)
-    own = {"k": stiffness, "m": mass} | {name: given.get(name) for name in terms}
+    own = {"k": stiffness, "m": mass} | {name: (given or {}).get(name) for name in terms}
     own |= {"k_3": None} if hardening and not alike else {}
     unknowns = [Parameter(s, v or 0.0, low=0.0, free=v is None) for s, v in own.items()]
     if contact == "one slider":
@@ -337,11 +326,10 @@ def _asked(
         raise ValueError(
             f"{lines.X.size} lines are too few for {count} unknowns: add lines or levels, or state stiffness or mass"
         )
-    columns = problem.weighted(
-        np.array([stiffness_part(name, lines, k) for name in free]).T, start.values
-    )
-    columns = columns / np.linalg.norm(columns, axis=0)
-    if free and np.linalg.svd(columns, compute_uv=False)[-1] < _SINGULAR:
+    parts = [stiffness_part(name, lines, k) for name in free]
+    columns = problem.weighted(np.reshape(parts, (len(free), lines.X.size)).T, start.values)
+    size = np.linalg.norm(columns, axis=0)
+    if free and np.linalg.svd(columns / size, compute_uv=False)[-1] < _SINGULAR:
         raise ValueError(
             f"the lines do not separate {', '.join(free)}: add lines at other frequencies or levels, or state "
             "stiffness or mass"
@@ -373,21 +361,22 @@ def _estimated(problem: StiffnessProblem, steps: int = _ITERATIONS) -> Stiffness
         if problem.contact == "gradual":
             problem = _smoothed(problem)
         if step < steps - 1:
-            problem = replace(problem, sigma=problem.scatter(problem.start.values)[0])
-            starts = [problem.climbed]
+            problem = replace(problem, sigma=problem.scatter(problem.start.values))
+            starts = [problem.climbed, *_starts(problem)]
     return problem
 
 
 def _starts(problem: StiffnessProblem) -> list[Parameters]:
     """Return where climbs start: each R, and the best slider with it."""
     most, each = _LARGEST_RECEPTANCE / float(np.abs(problem.lines.Z).max()), [problem.climbed]
-    if "R" in problem.start:
+    if "R" in problem.start and problem.start["R"].free:
         tried = np.linspace(-most, most, _RECEPTANCES)
         each = [problem.climbed.moved(R=R) for R in tried.tolist()]
     if problem.contact == "one slider":
-        each = [one.at(problem.with_sliders(one.values)[0]) for one in each]
-    each = [one.at(problem.solve(one.values)) for one in each]
-    chi_square = [float(np.sum(problem.residual(one.values) ** 2)) for one in each]
+        each = [one.at(problem.with_sliders(one.values)) for one in each]
+    if len(each) == 1:
+        return each
+    chi_square = [float(np.sum(problem.residual(problem.solve(one.values)) ** 2)) for one in each]
     return [each[i] for i in np.argsort(chi_square, kind="stable")[:3]]
 
 
@@ -415,13 +404,14 @@ def _generalised(problem: StiffnessProblem) -> float:
 
 def _held_out(problem: StiffnessProblem) -> list[Misfit]:
     """Return misfit of each level to the law of the others."""
-    levels = [problem.lines.level == of for of in range(len(problem.lines.names))]
-    found = []
-    for own in levels:
-        others = problem[~own]
-        start = others.climbed.held("R") if "R" in others.start else others.climbed
+    held, found = problem.start, []
+    problem = replace(problem, start=held.held("R") if "R" in held else held)
+    for level in range(len(problem.lines.names)):
+        own = problem.lines.level == level
         if not own.all():
-            found.append(problem[own].misfit(others.ends([start]).values))
+            others = problem[~own]
+            at = others.ends([others.climbed, *_starts(others)])
+            found.append(problem[own].misfit(at.values))
     return found
 
 
@@ -525,13 +515,6 @@ def compare_contacts(
     }
     laws = dict(sorted([*laws.items(), ("one slider", ("one slider", tuple(terms)))], key=_size))
     laws["gradual"] = ("gradual", tuple(terms))
-    options = {
-        "given": {},
-        "stiffness": None,
-        "mass": None,
-        "hardening": True,
-        "residual": False,
-    } | options
     asked = {n: _asked(lines, contact, of, **options) for n, (contact, of) in laws.items()}
     own = {name: _estimated(problem) for name, problem in asked.items()}
     sigma = own["gradual"].sigma

@@ -26,9 +26,11 @@ from scipy import special
 
 from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
+from ..law.terms import FRICTION
 from ..motion.law_steady import Response, added_by_base
 from ..signals.lines import Lines
 from ..signals.thresholds import P_CAUSE
+from ..solver import NORMAL_95
 from .fit import Fit, OscillatorFit
 from .multistart import climbs
 from .parameters import Parameters
@@ -36,8 +38,7 @@ from .starts import starts
 from .stiffness_lines import StiffnessLines, StiffnessProblem
 from .waveforms import NO_MOTION, HarmonicProblem
 
-_CERTAIN = 1e6  # degrees of freedom of noise
-_GAIN = 1e-3  # in −log L: 4 % of a standard error of the noise, and less of the scatter
+_GAIN = 1e-5  # in −log L: 0.4 % of a standard error of the noise, and less of the scatter
 
 
 def stiffness_lines(lines: Sequence[Lines], k: float) -> StiffnessLines:
@@ -145,14 +146,16 @@ class FundamentalFit(OscillatorFit):
         by: Array = self.problem.by_rows(self.point)
         return by
 
-    def freedom_of(self, key: str) -> float:
-        """Return the degrees of freedom of the error of a common unknown, of what both kinds of rows add to it."""
-        problem, freedom = self.problem, self.problem.degrees
-        sigma, scatters = problem.scatter(self.point, freedom)
-        by = self._by_rows[self.parameters.places[key]].reshape(sigma.shape)
-        parts = np.sum((by * sigma / problem.sigma) ** 2, axis=1)
-        known = np.sum(parts**2 / np.where(scatters, freedom, _CERTAIN))
-        return float(np.sum(parts) ** 2 / known) if known else _CERTAIN
+    def interval(self, key: str) -> tuple[float, float]:
+        """Return the 95 % interval of an unknown, in its unit, with Student's t for the scatter of either kind of rows;
+        no shorter than by the noise."""
+        problem, size = self.problem, np.abs(self.problem.lines.Z)
+        degrees, row = problem.degrees, self._by_rows[self.parameters.places[key]]
+        squares = (row.reshape(2, -1) * size / problem.sigma) ** 2
+        reaches = special.stdtrit(degrees, 0.975) ** 2 * np.sum(self.residual**2, axis=1) / degrees
+        noise = NORMAL_95**2 * float(np.sum(squares * problem.lines.error**2))
+        reach = math.sqrt(max(float(reaches @ np.sum(squares, axis=1)), noise))
+        return self.value(key) - reach, self.value(key) + reach
 
     @property
     def turned(self) -> dict[str, float]:
@@ -237,8 +240,13 @@ def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFi
     which to start."""
     if problem.degrees.min() < 1.0:
         return None
-    problem = problem.prepared()
-    found = climbs(problem, _starts(problem, near), math.inf)
+    points, unknowns = _starts(problem, near), problem.start
+    if not points:
+        return None
+    rubs = np.array([name == FRICTION for name in unknowns.names])
+    unknowns = replace(unknowns, low=np.where(rubs, 1e-9 * points[0], unknowns.low))
+    problem = replace(problem, start=unknowns).prepared()
+    found = climbs(problem, [problem.climbed.at(point) for point in points], math.inf)
     ends = [end for at in found if (end := _fitted(problem, at.parameters)) is not None]
     if not ends:
         return None
@@ -246,10 +254,7 @@ def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFi
     drives = {f"Y[{i}]": one.Y for i, one in enumerate(problem.exact.lines, 1)}
     problem = replace(problem, start=problem.start.moved(**drives))
     at, freedom = problem.start, problem.degrees
-    by = (
-        problem.by_rows(at.values)
-        * (problem.scatter(at.values, freedom)[0] / problem.sigma).ravel()
-    )
+    by = problem.by_rows(at.values) * (problem.scatter(at.values, freedom) / problem.sigma).ravel()
     fit = FundamentalFit(at, by @ by.T, 0.0, float(freedom.sum()), problem)
     noise = fit.residual / np.asarray(problem.lines.error)
     return replace(fit, chi_square=float(np.sum(noise**2)))
@@ -269,9 +274,9 @@ def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProble
     return best
 
 
-def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Parameters]:
-    """Return where to start: near a fit, or where the work of the fundamentals is balanced, the closest of some contact
-    stiffnesses; with each turn of the phase where that is fitted."""
+def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Array]:
+    """Return points from which to start: near a fit, or where the work of the fundamentals is balanced, the closest of
+    some contact stiffnesses; with each turn of the phase where that is fitted."""
     exact, places = problem.exact, problem.start.places
     if near is None:
         one_harmonic = [
@@ -291,4 +296,4 @@ def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Parameters]:
             point + turn * np.eye(point.size)[places["delay"]]
             for point, turn in zip(points, turns, strict=True)
         ]
-    return [problem.climbed.at(np.where(problem.solved, 0.0, point)) for point in points]
+    return [np.where(problem.solved, 0.0, point) for point in points]

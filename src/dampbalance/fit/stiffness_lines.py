@@ -115,9 +115,11 @@ class Misfit(NamedTuple):
 
 def _nnls(A: Array, y: Array) -> Array:
     """Return coefficients ≥ 0 of least squares."""
+    if not A.shape[1]:  # SciPy's ends the process
+        return np.empty(0)
     size = np.linalg.norm(A, axis=0)
     size[size == 0.0] = 1.0
-    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * max(A.shape[1], 1))[0] / size)
+    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * A.shape[1])[0] / size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -332,22 +334,25 @@ class StiffnessProblem:
 
     # --- where it starts, and what it leaves --------------------------------------------------
 
-    def with_sliders(self, values: Array) -> list[Array]:
-        """Return the unknowns with one slider of each r that is tried, the linear ones solved for, best first."""
+    def with_sliders(self, values: Array) -> Array:
+        """Return the unknowns with the best of the sliders that are tried."""
         mode = self.mode(values)
         nothing = np.where(self.solved, 0.0, values)
         nothing[self._friction] = 0.0
         A, y = self.rows(nothing), -self.residual(nothing)
         r = np.geomspace(_RIGID * mode.X.min(), mode.X.max(), _TRIED + 1)[:-1]
-        each = []
-        for r_j, column in zip(r, self.weighted(secant(mode.X, r), values).T, strict=True):
-            whole = np.column_stack([A, column])
-            p, at = _nnls(whole, y), nothing.copy()
-            kappa = max(p[-1], _SOFTEST * float(np.abs(mode.Z).max()))
-            at[self.solved], at[self._friction] = p[:-1], kappa * r_j
-            at[self.start.places["rho"]] = kappa**-0.5
-            each.append((float(np.sum((whole @ p - y) ** 2)), at))
-        return [at for _, at in sorted(each, key=lambda pair: pair[0])]
+        best, least = 0, math.inf
+        columns = self.weighted(secant(mode.X, r), values)
+        whole = np.column_stack([A, columns[:, 0]])
+        for i in range(_TRIED):
+            whole[:, -1] = columns[:, i]
+            p = _nnls(whole, y)
+            if (chi_square := float(np.sum((whole @ p - y) ** 2))) < least:
+                best, least, kappa = i, chi_square, float(p[-1])
+        kappa = max(kappa, _SOFTEST * float(np.abs(mode.Z).max()))
+        nothing[self._friction] = kappa * r[best]
+        nothing[self.start.places["rho"]] = kappa**-0.5
+        return nothing
 
     def misfit(self, values: Array) -> Misfit:
         """Return the distance of the lines from a law."""
@@ -399,27 +404,28 @@ class StiffnessProblem:
         values += left @ np.linalg.pinv(J).T
         return values, (p @ A.T - y)[:, :n]
 
-    def scatter(self, values: Array, freedom: Array | None = None) -> tuple[Array, Array]:
+    def scatter(self, values: Array, freedom: Array | None = None) -> Array:
         """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of
-        them, and which of the two kinds scatters more than its lines state, (2,).
+        them.
 
         Where lines state their errors, these count, or the errors of the fit times what each kind scatters by: the
         larger of the two. Else Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part
         of the loss, and one of the measurement; by largest likelihood (multiplicative updates).
 
-        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns.
+        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns that are not
+        zero.
         """
         n = self.lines.X.size
         left = self.residual(values).reshape(2, n) * self.sigma
         if freedom is None:
-            freedom = np.full(2, max(n - 0.5 * np.count_nonzero(self.used(values)), 0.5))
+            freedom = np.full(2, max(n - 0.5 * np.count_nonzero(values[self.start.free]), 0.5))
         share = n / freedom[:, None]
         if self.lines.error is not None:
             stated = np.broadcast_to(np.abs(self.lines.Z) * self.lines.error, (2, n))
             scattered = self.sigma * np.sqrt(
                 np.mean((left / self.sigma) ** 2, axis=1, keepdims=True) * share
             )
-            return np.maximum(scattered, stated), np.any(scattered > stated, axis=1)
+            return np.asarray(np.maximum(scattered, stated))
         # of the law, as the noise of measured values would bias the weights by its square
         Z, squares = self.lines.Z + left[0] + 1j * left[1], left**2 * share
         size, variances = np.abs(Z) ** 2, []
@@ -432,4 +438,4 @@ class StiffnessProblem:
                 variance = shares @ parts + _FLOOR**2 * size
                 shares *= (parts @ (square / variance**2)) / (parts @ (1.0 / variance))
             variances.append(shares @ parts + _FLOOR**2 * size)
-        return np.sqrt(variances), np.array([True, True])
+        return np.sqrt(variances)
