@@ -7,7 +7,7 @@ and not negative. One slider may be extended by a gap in series, by a friction f
 rounded knee (`law/contact.py`), by a quadratic damper and by a mass.
 
 Each record has a drift, and each cycle an offset of its own. The search starts at the best of a grid of the r, g,
-F_S/F, v_S and n in which the force is not linear, by the least squares of all others. An extension is kept where it
+n, rise and w in which the force is not linear, by the least squares of all others. An extension is kept where it
 predicts blocks of cycles that are left out clearly better. Stick-slip noise and ripple are no white noise: errors come
 from the scatter between blocks.
 """
@@ -56,18 +56,18 @@ _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the lar
 _FEW = 1e-3  # of a size, of a parameter that is near zero
 _ZERO = 1e-300  # beside what may be zero
 _EXACT = 1e-7  # of the force: what rounding leaves of a residual
-_ROUNDS, _STAYS = 8, 0.01  # of climbs, until one gains less in χ²
+_ROUNDS, _STAYS = 3, 0.01  # of climbs, until one gains less in χ²
 _TINY = 1e-6  # of a parameter, of a difference quotient of a closed form
 
 EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
-    "fall": {"fall": (0.1, 0.3), "v_S": _STRIBECK},
+    "fall": {"rise": (-2.0, -1.0), "w": (2.0, 11.0, 100.0)},
     "knee": {"n": (1.0, 3.0)},
     "c_2": {},
     "m": {},
 }
 """Extensions of one slider by name: the parameters of its shape that become free, and where their search starts, g over
-X and v_S over the largest speed; fall is F_S/(F_k + F_S)."""
+X and see `SliderProblem`."""
 
 _FIRST = tuple(np.geomspace(0.004, 1.0, 20).tolist())  # r/X, where the search begins
 _AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of r before, where the search of an extension begins
@@ -224,10 +224,10 @@ class LoopProblem:
 
 @dataclass(frozen=True, eq=False)
 class SliderProblem(LoopProblem):
-    """One slider with the extensions named. Its parameters are F, the friction force at rest, r = F/K_z, those of its
-    shape that are free, and the coefficients of the linear terms.
+    """One slider with the extensions named. Its parameters are F, the friction force at the largest speed v, which is
+    F_k where it does not fall, r = F/K_z, those of its shape that are free, and the coefficients of the linear terms.
 
-    fall : F_S/F, so that F_k = (1 − fall) F: where friction falls to nothing, F and r are still determined.
+    rise, w : ln F_S/F and (v/v_S)². At rest the contact sticks, so that F_S is extrapolated: over orders of magnitude.
     """
 
     extensions: tuple[str, ...] = ()
@@ -235,12 +235,12 @@ class SliderProblem(LoopProblem):
     @cached_property
     def parameters(self) -> Parameters:
         """The parameters before anything is known of them."""
-        X, v, design = self.design.X, self.design.fastest, self.design
+        X, design = self.design.X, self.design
         shape = {
             "r": Parameter("r", X, 1e-3 * X, 3.0 * X, scale=1e-3 * X),
             "g": Parameter("g", 0.0, 0.0, scale=X),
-            "fall": Parameter("fall", 0.0, 0.0, 0.99),
-            "v_S": Parameter("v_S", 0.3 * v, 0.03 * v, 1.5 * v, scale=0.03 * v),
+            "rise": Parameter("rise", 0.0, -7.0, 5.0),
+            "w": Parameter("w", 1.0, 0.4, 1e3),
             "n": Parameter("n", 3.0, 0.5, 30.0),
         }
         free = ["r", *(name for of in self.extensions for name in EXTENSIONS[of])]
@@ -256,13 +256,17 @@ class SliderProblem(LoopProblem):
     def contact(self, values: Array) -> Sliders:
         """Return the contact with these values of the parameters."""
         of = dict(zip(self.parameters.names[self.shape], values[self.shape].tolist(), strict=True))
-        r, fall = np.array([of.pop("r")]), of.pop("fall", 0.0)
-        return Sliders(r * (1.0 - fall), values[0] / r, fall=fall / (1.0 - fall), **of)
+        r, fallen = np.array([of.pop("r")]), 1.0  # F_k/F
+        if "rise" in of:
+            rise, w = math.exp(of.pop("rise")), of.pop("w")
+            fallen = 1.0 - rise * math.exp(-w)
+            of |= {"fall": rise / fallen, "v_S": self.design.fastest / math.sqrt(w)}
+        return Sliders(r * fallen, values[0] / r, **of)
 
     def share(self, values: Array) -> Array:
         """Return the force of the contact over F, less its means, (n,)."""
-        contact = self.contact(np.append(1.0, values[1:]))
-        return contact.F_k * self.design.centred(self.design.share(contact))
+        contact, design = self.contact(np.append(1.0, values[1:])), self.design
+        return design.centred(design.stacked([force_of(contact, loop) for loop in design.loops]))
 
     def slopes(self, values: Array) -> Array:
         """Return the derivatives of the model, N, (p, n)."""
@@ -298,7 +302,7 @@ class SliderProblem(LoopProblem):
         ones without the last extension."""
         design, all_of = self.design, self.parameters
         found = all_of.moved(**{of.key: of.value for of in near or () if of.key in all_of})
-        units = {"g": design.X, "v_S": design.fastest}
+        units = {"g": design.X}
         grids = {
             name: [units.get(name, 1.0) * one for one in some]
             for name, some in (EXTENSIONS[self.extensions[-1]] if near else {}).items()
@@ -313,11 +317,10 @@ class SliderProblem(LoopProblem):
             s = s - Q @ (Q.T @ s)
             return float(f @ f - (s @ f) ** 2 / max(float(s @ s), _ZERO))
 
-        grid = []
-        for of in itertools.product(*grids.values()):
-            shape = dict(zip(grids, of, strict=True))
-            shape["r"] /= 1.0 - shape.get("fall", 0.0)  # F_k stays
-            grid.append(found.moved(**shape).values)
+        grid = [
+            found.moved(**dict(zip(grids, of, strict=True))).values
+            for of in itertools.product(*grids.values())
+        ]
         best = min(grid, key=cost)
         rows = np.array([self.share(best), *self.rows])
         linear = np.linalg.lstsq(rows.T, design.f)[0]
@@ -442,8 +445,8 @@ class LoopFit(Fit):
         """Return the numbers of a contact by symbol, F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2
         (N s²/m²), m (kg), g (m), F_S (N), v_S (m/s) and n, with these values of the parameters."""
         contact, linear = self.problem.contact(values), self.problem.linear_at(values)
-        more = {"g": ("g", contact.g), "fall": ("F_S", contact.fall * contact.F_k)}
-        more |= {"v_S": ("v_S", contact.v_S), "n": ("n", contact.n)}
+        more = {"g": ("g", contact.g), "rise": ("F_S", contact.fall * contact.F_k)}
+        more |= {"w": ("v_S", contact.v_S), "n": ("n", contact.n)}
         free = dict(of for name, of in more.items() if name in self.parameters)
         return {"F_k": contact.F_k, "K_z": contact.K_z, **linear, **free}
 
@@ -546,10 +549,15 @@ def forces_of(contact: Sliders, loop: Loop) -> Array:
     return np.asarray(contact.kappa[:, None] * z)
 
 
+def force_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of all elements of a contact in the motion of a loop, N, (n,)."""
+    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
+    return np.asarray(contact.kappa @ z)
+
+
 def share_of(contact: Sliders, loop: Loop) -> Array:
     """Return the force of all elements of a contact in the motion of a loop over F_k, (n,)."""
-    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
-    return np.asarray(contact.kappa @ z / (contact.F_k or 1.0))
+    return force_of(contact, loop) / (contact.F_k or 1.0)
 
 
 def lost(loop: Loop, contact: Sliders, linear: Mapping[str, float]) -> Array:
