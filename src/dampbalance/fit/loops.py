@@ -376,7 +376,7 @@ class LoopFit(Fit):
         up, down = ([self.numbers_at(of) for of in some] for some in ends)
         pairs = [*zip(up, down, strict=True)]
         slopes = np.array([[one[s] - other[s] for one, other in pairs] for s in symbols])
-        slopes /= 2.0 * steps
+        slopes = slopes.reshape(-1, steps.size) / (2.0 * steps)
         return np.asarray(slopes @ self.covariance @ slopes.T)
 
     @cached_property
