@@ -60,6 +60,7 @@ _APART = 100  # part of a cycle, from which on samples of noise are independent
 _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
 _EXACT = 1e-7  # of the force: what rounding leaves of a residual
 _ROUNDS, _STAYS = 3, 0.01  # of climbs, each in units of what is left, until one gains less in χ²
+_LEAST = 0.02  # F_k over F, of a friction that falls to nothing
 _TINY = 1e-6  # of a parameter, of a difference quotient of a closed form
 
 EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
@@ -172,7 +173,8 @@ class SliderProblem(LoopProblem):
         of = dict(zip(self.parameters.names[self.shape], values[self.shape].tolist(), strict=True))
         r, fallen = np.array([of.pop("r")]), 1.0  # F_k/F
         if "rise" in of:
-            rise, w = math.exp(of.pop("rise")), of.pop("w")
+            w = of.pop("w")
+            rise = math.exp(min(of.pop("rise"), w - _LEAST))
             fallen = 1.0 - rise * math.exp(-w)
             of |= {"fall": rise / fallen, "v_S": self.design.fastest / math.sqrt(w)}
         return Sliders(r * fallen, values[0] / r, **of)
