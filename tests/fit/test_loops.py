@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dampbalance.fit.loop_design import Design
 from dampbalance.fit.loops import (
-    Design,
     fit_gradual,
     fit_slider,
     predicts_better,

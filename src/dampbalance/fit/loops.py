@@ -7,7 +7,7 @@ and not negative. One slider may be extended by a gap in series, by a friction f
 rounded knee (`law/contact.py`), by a quadratic damper and by a mass.
 
 Each record has a drift, and each cycle an offset of its own. The search starts at the best of a grid of the r, g,
-F_S/F, v_S and n in which the force is not linear, by the least squares of all others. An extension is kept where it
+n, rise and w in which the force is not linear, by the least squares of all others. An extension is kept where it
 predicts blocks of cycles that are left out clearly better. Stick-slip noise and ripple are no white noise: errors come
 from the scatter between blocks.
 """
@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -29,15 +29,20 @@ from ..signals.one_thread import one_thread
 from .climb import Climb
 from .errors import jackknifed
 from .fit import Fit
+from .loop_design import (
+    FEW,
+    ZERO,
+    Design,
+    force_of,
+    forces_of,
+    lost,
+    motions_of,
+    share_of,
+    without_each_block,
+)
 from .multistart import Trail, multistart
 from .parameters import Parameter, Parameters
 
-MOST_BLOCKS = 24
-"""Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
-
-# part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
-_BETWEEN, _STEADY = 0.8, 0.1
-_INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
 _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
@@ -53,113 +58,23 @@ _LESS = 0.05  # of the sum of squares: an extension that takes less does not mat
 _P_CONSTANT = 0.001  # for three laws of speed of a contact of many sliders
 _APART = 100  # part of a cycle, from which on samples of noise are independent
 _STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
-_FEW = 1e-3  # of a size, of a parameter that is near zero
-_ZERO = 1e-300  # beside what may be zero
 _EXACT = 1e-7  # of the force: what rounding leaves of a residual
-_ROUNDS, _STAYS = 8, 0.01  # of climbs, until one gains less in χ²
+_ROUNDS, _STAYS = 3, 0.01  # of climbs, each in units of what is left, until one gains less in χ²
+_LEAST = 0.02  # F_k over F, of a friction that falls to nothing
 _TINY = 1e-6  # of a parameter, of a difference quotient of a closed form
 
 EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
-    "fall": {"fall": (0.1, 0.3), "v_S": _STRIBECK},
+    "fall": {"rise": (-2.0, -1.0), "w": (2.0, 11.0, 100.0)},
     "knee": {"n": (1.0, 3.0)},
     "c_2": {},
     "m": {},
 }
 """Extensions of one slider by name: the parameters of its shape that become free, and where their search starts, g over
-X and v_S over the largest speed; fall is F_S/(F_k + F_S)."""
+X and see `SliderProblem`."""
 
 _FIRST = tuple(np.geomspace(0.004, 1.0, 20).tolist())  # r/X, where the search begins
 _AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of r before, where the search of an extension begins
-
-
-class Design:
-    """Rows that are linear in the unknowns, and the blocks of cycles, of some loops."""
-
-    def __init__(self, loops: Sequence[Loop]) -> None:
-        """Stack the cycles of the loops."""
-        self.loops, self.timed = loops, all(loop.timed for loop in loops)
-        self.inside = [loop.cycle >= 0 for loop in loops]
-        first = np.cumsum([0, *(loop.cycles for loop in loops)])
-        pairs = zip(loops, first, strict=False)
-        self.cycle = self.stacked([loop.cycle + n for loop, n in pairs]).astype(int)
-        total = int(first[-1])
-        self.blocks = min(MOST_BLOCKS, total)
-        self.ends = np.searchsorted(self.cycle, np.arange(total + 1))
-        cycles = np.searchsorted(
-            np.arange(total) * self.blocks // total, np.arange(self.blocks + 1)
-        )
-        self.own = [slice(*pair) for pair in itertools.pairwise(self.ends[cycles].tolist())]
-        self.force = self.stacked([loop.f for loop in loops])
-        self.f = self.centred(self.force)
-        self.X = max(float(loop.amplitudes.max()) for loop in loops)
-        self.fastest = max(float(np.abs(loop.v).max()) for loop in loops)
-        drifts = [
-            self.stacked([of.t if of is loop else 0.0 * of.t for of in loops]) for loop in loops
-        ]
-        self.base = self.centred(np.array([self.stacked([loop.x for loop in loops]), *drifts]))
-        self.v = self.stacked([loop.v for loop in loops])
-        motions = [motions_of(loop) for loop in loops]
-        self.motions = {
-            name: self.centred(self.stacked([of[name] for of in motions])) for name in motions[0]
-        }
-        self.load = self.stacked([np.full(loop.x.size, loop.load) for loop in loops])
-
-    def stacked(self, of_loops: Sequence[Array]) -> Array:
-        """Return the samples inside cycles of values of each loop, (…, n)."""
-        pairs = zip(of_loops, self.inside, strict=True)
-        return np.concatenate([np.asarray(of)[..., own] for of, own in pairs], axis=-1)
-
-    def centred(self, values: Array) -> Array:
-        """Return values less their mean in each cycle, as an offset of each cycle of its own leaves them, (…, n)."""
-        lengths = np.diff(self.ends)
-        means = np.add.reduceat(values, self.ends[:-1], axis=-1) / lengths
-        return np.asarray(values - np.repeat(means, lengths, axis=-1))
-
-    def share(self, contact: Sliders) -> Array:
-        """Return the force of a contact over its F_k in all loops, (n,)."""
-        return self.stacked([share_of(contact, loop) for loop in self.loops])
-
-    def by_block(self, left: Array) -> Array:
-        """Return the sum of squares of each block, (blocks,)."""
-        return np.array([left[own] @ left[own] for own in self.own])
-
-    @cached_property
-    def with_c(self) -> bool:
-        """Whether the speed between reversals is known, and varies so much that c is told from friction."""
-        speeds = []
-        for loop, own in zip(self.loops, self.inside, strict=True):
-            x = loop.x[own] - loop.x[own].mean()
-            speeds.append(np.abs(loop.v[own][np.abs(x) < _BETWEEN * loop.amplitudes.max()]))
-        low, middle, high = np.percentile(np.concatenate(speeds), (25.0, 50.0, 75.0))
-        return self.timed and bool(high - low > _STEADY * middle)
-
-    @cached_property
-    def extensions(self) -> tuple[str, ...]:
-        """Names of the extensions that these motions determine: at one frequency m ẍ is a spring, and of two speeds no
-        curve is told from a line."""
-
-        def independent(y: Array, columns: Sequence[Array]) -> bool:
-            A = np.array(columns).T
-            rest = y - A @ np.linalg.lstsq(A, y)[0]
-            return float(rest @ rest) > _INDEPENDENT**2 * float(y @ y)
-
-        curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
-        inertia = self.timed and independent(self.motions["m"], [*self.base])
-        open_to = {"gap": True, "fall": curved, "knee": True, "c_2": curved, "m": inertia}
-        return tuple(name for name in EXTENSIONS if open_to[name])
-
-    def linear(self, names: Sequence[str]) -> Array:
-        """Return the rows other than friction: x, drifts, and the terms named, (p, n)."""
-        return np.array([*self.base, *(self.motions[name] for name in names)])
-
-    def parameters(self, names: Sequence[str]) -> list[Parameter]:
-        """Return the coefficients of these rows, N/m, N/s and so on."""
-        keys = [("k", ""), *(("drift", str(i + 1)) for i in range(len(self.loops)))]
-        keys += [(name, "") for name in names]
-        sizes = _FEW * np.linalg.norm(self.f) / (np.linalg.norm(self.linear(names), axis=1) + _ZERO)
-        rows = zip(keys, sizes.tolist(), strict=True)
-        return [Parameter(name, 0.0, scale=size, group=group) for (name, group), size in rows]
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,10 +139,10 @@ class LoopProblem:
 
 @dataclass(frozen=True, eq=False)
 class SliderProblem(LoopProblem):
-    """One slider with the extensions named. Its parameters are F, the friction force at rest, r = F/K_z, those of its
-    shape that are free, and the coefficients of the linear terms.
+    """One slider with the extensions named. Its parameters are F, the friction force at the largest speed v, which is
+    F_k where it does not fall, r = F/K_z, those of its shape that are free, and the coefficients of the linear terms.
 
-    fall : F_S/F, so that F_k = (1 − fall) F: where friction falls to nothing, F and r are still determined.
+    rise, w : ln F_S/F and (v/v_S)². At rest the contact sticks, so that F_S is extrapolated: over orders of magnitude.
     """
 
     extensions: tuple[str, ...] = ()
@@ -235,16 +150,16 @@ class SliderProblem(LoopProblem):
     @cached_property
     def parameters(self) -> Parameters:
         """The parameters before anything is known of them."""
-        X, v, design = self.design.X, self.design.fastest, self.design
+        X, design = self.design.X, self.design
         shape = {
             "r": Parameter("r", X, 1e-3 * X, 3.0 * X, scale=1e-3 * X),
             "g": Parameter("g", 0.0, 0.0, scale=X),
-            "fall": Parameter("fall", 0.0, 0.0, 0.99),
-            "v_S": Parameter("v_S", 0.3 * v, 0.03 * v, 1.5 * v, scale=0.03 * v),
+            "rise": Parameter("rise", 0.0, -7.0, 5.0),
+            "w": Parameter("w", 1.0, 0.44, 1e3),
             "n": Parameter("n", 3.0, 0.5, 30.0),
         }
         free = ["r", *(name for of in self.extensions for name in EXTENSIONS[of])]
-        friction = Parameter("F", 0.0, scale=_FEW * float(np.std(design.f)))
+        friction = Parameter("F", 0.0, scale=FEW * float(np.std(design.f)))
         own = [friction, *(shape[name] for name in free), *design.parameters(self.linear)]
         return Parameters.of(own)
 
@@ -256,13 +171,18 @@ class SliderProblem(LoopProblem):
     def contact(self, values: Array) -> Sliders:
         """Return the contact with these values of the parameters."""
         of = dict(zip(self.parameters.names[self.shape], values[self.shape].tolist(), strict=True))
-        r, fall = np.array([of.pop("r")]), of.pop("fall", 0.0)
-        return Sliders(r * (1.0 - fall), values[0] / r, fall=fall / (1.0 - fall), **of)
+        r, fallen = np.array([of.pop("r")]), 1.0  # F_k/F
+        if "rise" in of:
+            w = of.pop("w")
+            rise = math.exp(min(of.pop("rise"), w - _LEAST))
+            fallen = 1.0 - rise * math.exp(-w)
+            of |= {"fall": rise / fallen, "v_S": self.design.fastest / math.sqrt(w)}
+        return Sliders(r * fallen, values[0] / r, **of)
 
     def share(self, values: Array) -> Array:
         """Return the force of the contact over F, less its means, (n,)."""
-        contact = self.contact(np.append(1.0, values[1:]))
-        return contact.F_k * self.design.centred(self.design.share(contact))
+        contact, design = self.contact(np.append(1.0, values[1:])), self.design
+        return design.centred(design.stacked([force_of(contact, loop) for loop in design.loops]))
 
     def slopes(self, values: Array) -> Array:
         """Return the derivatives of the model, N, (p, n)."""
@@ -289,7 +209,7 @@ class SliderProblem(LoopProblem):
 
     def without(self, values: Array, slopes: Array) -> Array:
         """Return the values without each block, (blocks, p): one step of Gauss and Newton leaves a block out."""
-        changes = _without_each_block(self.design, slopes, self.left(values, slopes))
+        changes = without_each_block(self.design, slopes, self.left(values, slopes))
         limits = self.parameters.limits
         return np.asarray(np.clip(values + changes, limits.low, limits.high))
 
@@ -298,7 +218,7 @@ class SliderProblem(LoopProblem):
         ones without the last extension."""
         design, all_of = self.design, self.parameters
         found = all_of.moved(**{of.key: of.value for of in near or () if of.key in all_of})
-        units = {"g": design.X, "v_S": design.fastest}
+        units = {"g": design.X}
         grids = {
             name: [units.get(name, 1.0) * one for one in some]
             for name, some in (EXTENSIONS[self.extensions[-1]] if near else {}).items()
@@ -311,13 +231,12 @@ class SliderProblem(LoopProblem):
         def cost(values: Array) -> float:
             s = self.share(values)
             s = s - Q @ (Q.T @ s)
-            return float(f @ f - (s @ f) ** 2 / max(float(s @ s), _ZERO))
+            return float(f @ f - (s @ f) ** 2 / max(float(s @ s), ZERO))
 
-        grid = []
-        for of in itertools.product(*grids.values()):
-            shape = dict(zip(grids, of, strict=True))
-            shape["r"] /= 1.0 - shape.get("fall", 0.0)  # F_k stays
-            grid.append(found.moved(**shape).values)
+        grid = [
+            found.moved(**dict(zip(grids, of, strict=True))).values
+            for of in itertools.product(*grids.values())
+        ]
         best = min(grid, key=cost)
         rows = np.array([self.share(best), *self.rows])
         linear = np.linalg.lstsq(rows.T, design.f)[0]
@@ -362,7 +281,7 @@ class GradualProblem(LoopProblem):
         drifts = self.r.size + 1 + np.arange(len(self.design.loops))
         others = np.setdiff1d(np.arange(len(self.columns)), drifts)
         a, b = np.ix_(others, others), np.ix_(drifts, drifts)
-        scale = np.sqrt(np.mean(self.columns**2, axis=1)) + _ZERO
+        scale = np.sqrt(np.mean(self.columns**2, axis=1)) + ZERO
         A = self.columns / scale[:, None]
         grams = np.array([A[:, own] @ A[:, own].T for own in self.design.own])
         sides = np.array([A[:, own] @ self.design.f[own] for own in self.design.own])
@@ -442,8 +361,8 @@ class LoopFit(Fit):
         """Return the numbers of a contact by symbol, F_k (N), K_z (N/m), k (N/m), and what is free of c (N s/m), c_2
         (N s²/m²), m (kg), g (m), F_S (N), v_S (m/s) and n, with these values of the parameters."""
         contact, linear = self.problem.contact(values), self.problem.linear_at(values)
-        more = {"g": ("g", contact.g), "fall": ("F_S", contact.fall * contact.F_k)}
-        more |= {"v_S": ("v_S", contact.v_S), "n": ("n", contact.n)}
+        more = {"g": ("g", contact.g), "rise": ("F_S", contact.fall * contact.F_k)}
+        more |= {"w": ("v_S", contact.v_S), "n": ("n", contact.n)}
         free = dict(of for name, of in more.items() if name in self.parameters)
         return {"F_k": contact.F_k, "K_z": contact.K_z, **linear, **free}
 
@@ -459,7 +378,7 @@ class LoopFit(Fit):
         up, down = ([self.numbers_at(of) for of in some] for some in ends)
         pairs = [*zip(up, down, strict=True)]
         slopes = np.array([[one[s] - other[s] for one, other in pairs] for s in symbols])
-        slopes /= 2.0 * steps
+        slopes = slopes.reshape(-1, steps.size) / (2.0 * steps)
         return np.asarray(slopes @ self.covariance @ slopes.T)
 
     @cached_property
@@ -540,43 +459,6 @@ class LoopFit(Fit):
         return W[:, 0], np.sqrt(np.diag(jackknifed([W[:, 1:]])))
 
 
-def forces_of(contact: Sliders, loop: Loop) -> Array:
-    """Return the force of each element of a contact in the motion of a loop, N, (j, n)."""
-    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
-    return np.asarray(contact.kappa[:, None] * z)
-
-
-def share_of(contact: Sliders, loop: Loop) -> Array:
-    """Return the force of all elements of a contact in the motion of a loop over F_k, (n,)."""
-    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
-    return np.asarray(contact.kappa @ z / (contact.F_k or 1.0))
-
-
-def lost(loop: Loop, contact: Sliders, linear: Mapping[str, float]) -> Array:
-    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
-    damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
-    return loop.by_cycle(contact.F_k * share_of(contact, loop) + damped * loop.v)
-
-
-def motions_of(loop: Loop) -> dict[str, Array]:
-    """Return the columns of the terms that a motion has beyond friction and spring, by symbol, (n,)."""
-    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": np.gradient(loop.v, loop.t)}
-
-
-def _without_each_block(design: Design, A: Array, left: Array) -> Array:
-    """Return by how much coefficients of least squares change without each block, (blocks, p).   A : rows, (p, n).
-    left : residual of the best fit."""
-    scale = np.sqrt(np.mean(A**2, axis=1)) + _ZERO
-    A = A / scale[:, None]
-    G = A @ A.T
-    out = [
-        -np.linalg.pinv(G - A[:, own] @ A[:, own].T, rcond=1e-12, hermitian=True)
-        @ (A[:, own] @ left[own])
-        for own in design.own
-    ]
-    return np.array(out) / scale
-
-
 def slider(
     design: Design, extensions: tuple[str, ...] = (), near: LoopFit | None = None
 ) -> LoopFit:
@@ -630,7 +512,7 @@ def _with_columns(fit: LoopFit, columns: Sequence[Array]) -> tuple[Array, Array]
     design, left = fit.design, fit.design.force - np.concatenate(fit.models)
     A = np.array([*design.centred(np.array(columns)), *fit.problem.rows])
     p = np.linalg.lstsq(A.T, left)[0]
-    out = p + _without_each_block(design, A, left - p @ A)
+    out = p + without_each_block(design, A, left - p @ A)
     ahead = [left[own] - of @ A[:, own] for of, own in zip(out, design.own, strict=True)]
     return p, design.by_block(np.concatenate(ahead))
 

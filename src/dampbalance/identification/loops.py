@@ -14,21 +14,19 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
-from ..arrays import Array, Integers
+from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
+from ..fit.loop_design import MOST_BLOCKS, Design, share_of
 from ..fit.loops import (
-    MOST_BLOCKS,
     SLIDERS,
     WITHIN,
-    Design,
     LoopFit,
     different_forces,
     fall_with_speed,
     fit_gradual,
     fit_slider,
     predicts_better,
-    share_of,
     slips,
     with_late_motion,
 )
@@ -36,7 +34,7 @@ from ..law.terms import FRICTION
 from ..project.options import LoopOptions, Stated, with_options
 from ..project.wording import listed
 from ..records.mapping import MappingLike
-from ..signals.loops import FEWEST_CYCLES, Loop
+from ..signals.loops import FEWEST_CYCLES, SAME_LEVEL, Loop, levels_of, measures
 from ..signals.one_thread import one_thread
 from ..solver import NORMAL_95
 from .answer import (
@@ -64,7 +62,6 @@ if TYPE_CHECKING:
 # of F_k: the steps between the sliders of a gradual contact leave a tenth of it. What more falls with the speed trades
 # with c, and its true size is not known from a fall that is seen
 _FALLS = 0.005
-_SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
@@ -78,37 +75,6 @@ MOST_SAMPLES = 60_000
 
 
 _COMPARED = {"one slider": "one slider predicts", "gradual": "many sliders predict"}
-
-
-def levels_of(X: Array) -> list[Integers]:
-    """Return the cycles of each level, whose amplitudes differ by a few percent at the most, from the smallest on."""
-    order, levels = np.argsort(X, kind="stable"), list[Integers]()
-    while order.size:
-        same = X[order] <= (1.0 + _SAME_LEVEL) * X[order[0]]
-        levels.append(np.sort(order[same]))
-        order = order[~same]
-    return levels
-
-
-def measures(X: Any, W: Any, peaks: Array) -> dict[str, Any]:
-    """Return what engineers compare loops by, free of any model, by the keys of the document: W/(4X), the friction
-    force of a rigid contact with this loss; the secant stiffness k_s between the forces at the largest displacements,
-    NaN if these do not oppose each other; ζ_eq = W/(4π · ½ k_s X²) (Chopra, Dynamics of Structures, Sec. 3.9); and the
-    backbone.
-
-    X : amplitude, m; NaN of a cycle that does not close.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`.
-    """
-    high, low, up, down = peaks.T
-    stiffness = np.where((up > down) & (X > 0.0), (up - down) / (high - low), math.nan)
-    return {
-        "W_over_4X_N": W / (4.0 * X),
-        "secant_stiffness_N_per_m": stiffness,
-        "equivalent_damping_ratio": W / (2.0 * math.pi * stiffness * X**2),
-        "largest_displacement_m": high,
-        "force_at_largest_displacement_N": up,
-        "smallest_displacement_m": low,
-        "force_at_smallest_displacement_N": down,
-    }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -218,11 +184,11 @@ def loop_contact(found: Result[LoopBasis]) -> dict[str, float]:
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops, loop_contact
+    >>> from dampbalance.law.contact import play
     >>> t = np.linspace(0.0, 10.0, 4001)
-    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
-    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
-    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
-    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z})
+    >>> x = 1e-3 * np.sin(2.0 * np.pi * t)
+    >>> force = 5e4 * play(x, 2e-4)[0]  # a slider that gives way at 0.2 mm
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": force})
     >>> [*loop_contact(found)], round(loop_contact(found)["F_k"], 1)
     (['F_k', 'K_z', 'c'], 10.0)
     """
@@ -242,11 +208,11 @@ def loop_sliders(found: Result[LoopBasis]) -> dict[str, Array]:
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops, loop_sliders
+    >>> from dampbalance.law.contact import play
     >>> t = np.linspace(0.0, 10.0, 4001)
-    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
-    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
-    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
-    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z})
+    >>> x = 1e-3 * np.sin(2.0 * np.pi * t)
+    >>> force = 5e4 * play(x, 2e-4)[0]  # a slider that gives way at 0.2 mm
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": force})
     >>> r, kappa = loop_sliders(found).values()
     >>> round(float(r @ kappa), 1)
     10.0
@@ -263,14 +229,14 @@ def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops, friction_coefficient
+    >>> from dampbalance.law.contact import play
     >>> t = np.linspace(0.0, 10.0, 4001)
-    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
-    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
-    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
-    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z}, normal_force=20.0)
-    >>> mu, (low, high) = friction_coefficient(found)
-    >>> round(mu, 2), low < mu < high
-    (0.5, True)
+    >>> x = 1e-3 * np.sin(2.0 * np.pi * t)
+    >>> force = 5e4 * play(x, 2e-4)[0]  # a slider that gives way at 0.2 mm
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": force}, normal_force=20.0)
+    >>> mu, interval = friction_coefficient(found)
+    >>> round(mu, 2), round(interval.high, 2)
+    (0.5, 0.5)
     """
     if found.basis.normal_force is None:
         return math.nan, Interval(math.nan, math.nan)
@@ -293,11 +259,11 @@ def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops, loop_history
+    >>> from dampbalance.law.contact import play
     >>> t = np.linspace(0.0, 10.0, 4001)
-    >>> x, z = 1e-3 * np.sin(2.0 * np.pi * t), np.zeros(t.size)
-    >>> for i in range(1, t.size):  # a slider that gives way at 0.2 mm
-    ...     z[i] = np.clip(z[i - 1] + x[i] - x[i - 1], -2e-4, 2e-4)
-    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": 5e4 * z})
+    >>> x = 1e-3 * np.sin(2.0 * np.pi * t)
+    >>> force = 5e4 * play(x, 2e-4)[0]  # a slider that gives way at 0.2 mm
+    >>> found = identify_loops({"time_s": t, "displacement_m": x, "force_N": force})
     >>> loop_history(found)[["X_m", "W_J"]].median().round(4).to_dict()
     {'X_m': 0.001, 'W_J': 0.032}
     """
@@ -581,7 +547,7 @@ def _rig(
     for loop in loops:
         loop = loop.settled()
         W, cycles = loop.lost, np.arange(loop.cycles)
-        level = np.abs(loop.amplitudes / np.median(loop.amplitudes) - 1.0) < _SAME_LEVEL
+        level = np.abs(loop.amplitudes / np.median(loop.amplitudes) - 1.0) < SAME_LEVEL
         if level.sum() < loop.cycles or loop.cycles < 8:
             continue  # levels differ, or too few cycles for a trend
         half = W[loop.cycles // 2 :]

@@ -6,6 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ _SHARP = 4.0  # standard deviations of noise, from which on a bend of x is a cor
 _AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
 _OF_PERIOD, _OF_PERIOD_V = 40, 16  # windows of x and ẋ are these parts of a period
 _CERTAIN = 4.0  # standard errors by which energy is gained
+SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 
 
 def turning_points(x: Array, least: float) -> Integers:
@@ -247,3 +249,34 @@ class Loop:
         x = self.x[self.own]
         ends = [(x[own.start], x[own.stop - 1]) for own in self.slices]
         return np.abs(np.diff(ends)[:, 0]) <= self.amplitudes
+
+
+def levels_of(X: Array) -> list[Integers]:
+    """Return the cycles of each level, whose amplitudes differ by a few percent at the most, from the smallest on."""
+    order, levels = np.argsort(X, kind="stable"), list[Integers]()
+    while order.size:
+        same = X[order] <= (1.0 + SAME_LEVEL) * X[order[0]]
+        levels.append(np.sort(order[same]))
+        order = order[~same]
+    return levels
+
+
+def measures(X: Any, W: Any, peaks: Array) -> dict[str, Any]:
+    """Return what engineers compare loops by, free of any model, by the keys of the document: W/(4X), the friction
+    force of a rigid contact with this loss; the secant stiffness k_s between the forces at the largest displacements,
+    NaN if these do not oppose each other; ζ_eq = W/(4π · ½ k_s X²) (Chopra, Dynamics of Structures, Sec. 3.9); and the
+    backbone.
+
+    X : amplitude, m; NaN of a cycle that does not close.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`.
+    """
+    high, low, up, down = peaks.T
+    stiffness = np.where((up > down) & (X > 0.0), (up - down) / (high - low), math.nan)
+    return {
+        "W_over_4X_N": W / (4.0 * X),
+        "secant_stiffness_N_per_m": stiffness,
+        "equivalent_damping_ratio": W / (2.0 * math.pi * stiffness * X**2),
+        "largest_displacement_m": high,
+        "force_at_largest_displacement_N": up,
+        "smallest_displacement_m": low,
+        "force_at_smallest_displacement_N": down,
+    }

@@ -1,0 +1,154 @@
+"""Measured loops as the data of a fit: their columns, the blocks of their cycles, and a contact in their motion."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from ..arrays import Array
+from ..law.contact import Sliders
+from ..signals.loops import Loop
+from .parameters import Parameter
+
+MOST_BLOCKS = 24
+"""Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
+
+FEW = 1e-3  # of a size, of a parameter that is near zero
+ZERO = 1e-300  # beside what may be zero
+# part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
+_BETWEEN, _STEADY = 0.8, 0.1
+_INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
+
+
+def forces_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of each element of a contact in the motion of a loop, N, (j, n)."""
+    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
+    return np.asarray(contact.kappa[:, None] * z)
+
+
+def force_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of all elements of a contact in the motion of a loop, N, (n,)."""
+    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
+    return np.asarray(contact.kappa @ z)
+
+
+def share_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the force of all elements of a contact in the motion of a loop over F_k, (n,)."""
+    return force_of(contact, loop) / (contact.F_k or 1.0)
+
+
+def lost(loop: Loop, contact: Sliders, linear: Mapping[str, float]) -> Array:
+    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
+    damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
+    return loop.by_cycle(contact.F_k * share_of(contact, loop) + damped * loop.v)
+
+
+def motions_of(loop: Loop) -> dict[str, Array]:
+    """Return the columns of the terms that a motion has beyond friction and spring, by symbol, (n,)."""
+    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": np.gradient(loop.v, loop.t)}
+
+
+class Design:
+    """Rows that are linear in the unknowns, and the blocks of cycles, of some loops."""
+
+    def __init__(self, loops: Sequence[Loop]) -> None:
+        """Stack the cycles of the loops."""
+        self.loops, self.timed = loops, all(loop.timed for loop in loops)
+        self.inside = [loop.cycle >= 0 for loop in loops]
+        first = np.cumsum([0, *(loop.cycles for loop in loops)])
+        pairs = zip(loops, first, strict=False)
+        self.cycle = self.stacked([loop.cycle + n for loop, n in pairs]).astype(int)
+        total = int(first[-1])
+        self.blocks = min(MOST_BLOCKS, total)
+        self.ends = np.searchsorted(self.cycle, np.arange(total + 1))
+        cycles = np.searchsorted(
+            np.arange(total) * self.blocks // total, np.arange(self.blocks + 1)
+        )
+        self.own = [slice(*pair) for pair in itertools.pairwise(self.ends[cycles].tolist())]
+        self.force = self.stacked([loop.f for loop in loops])
+        self.f = self.centred(self.force)
+        self.X = max(float(loop.amplitudes.max()) for loop in loops)
+        self.fastest = max(float(np.abs(loop.v).max()) for loop in loops)
+        drifts = [
+            self.stacked([of.t if of is loop else 0.0 * of.t for of in loops]) for loop in loops
+        ]
+        self.base = self.centred(np.array([self.stacked([loop.x for loop in loops]), *drifts]))
+        self.v = self.stacked([loop.v for loop in loops])
+        motions = [motions_of(loop) for loop in loops]
+        self.motions = {
+            name: self.centred(self.stacked([of[name] for of in motions])) for name in motions[0]
+        }
+        self.load = self.stacked([np.full(loop.x.size, loop.load) for loop in loops])
+
+    def stacked(self, of_loops: Sequence[Array]) -> Array:
+        """Return the samples inside cycles of values of each loop, (…, n)."""
+        pairs = zip(of_loops, self.inside, strict=True)
+        return np.concatenate([np.asarray(of)[..., own] for of, own in pairs], axis=-1)
+
+    def centred(self, values: Array) -> Array:
+        """Return values less their mean in each cycle, as an offset of each cycle of its own leaves them, (…, n)."""
+        lengths = np.diff(self.ends)
+        means = np.add.reduceat(values, self.ends[:-1], axis=-1) / lengths
+        return np.asarray(values - np.repeat(means, lengths, axis=-1))
+
+    def share(self, contact: Sliders) -> Array:
+        """Return the force of a contact over its F_k in all loops, (n,)."""
+        return self.stacked([share_of(contact, loop) for loop in self.loops])
+
+    def by_block(self, left: Array) -> Array:
+        """Return the sum of squares of each block, (blocks,)."""
+        return np.array([left[own] @ left[own] for own in self.own])
+
+    @cached_property
+    def with_c(self) -> bool:
+        """Whether the speed between reversals is known, and varies so much that c is told from friction."""
+        speeds = []
+        for loop, own in zip(self.loops, self.inside, strict=True):
+            x = loop.x[own] - loop.x[own].mean()
+            speeds.append(np.abs(loop.v[own][np.abs(x) < _BETWEEN * loop.amplitudes.max()]))
+        low, middle, high = np.percentile(np.concatenate(speeds), (25.0, 50.0, 75.0))
+        return self.timed and bool(high - low > _STEADY * middle)
+
+    @cached_property
+    def extensions(self) -> tuple[str, ...]:
+        """Names of the extensions that these motions determine: at one frequency m ẍ is a spring, and of two speeds no
+        curve is told from a line."""
+
+        def independent(y: Array, columns: Sequence[Array]) -> bool:
+            A = np.array(columns).T
+            rest = y - A @ np.linalg.lstsq(A, y)[0]
+            return float(rest @ rest) > _INDEPENDENT**2 * float(y @ y)
+
+        curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
+        inertia = self.timed and independent(self.motions["m"], [*self.base])
+        open_to = {"gap": True, "fall": curved, "knee": True, "c_2": curved, "m": inertia}
+        return tuple(name for name in open_to if open_to[name])
+
+    def linear(self, names: Sequence[str]) -> Array:
+        """Return the rows other than friction: x, drifts, and the terms named, (p, n)."""
+        return np.array([*self.base, *(self.motions[name] for name in names)])
+
+    def parameters(self, names: Sequence[str]) -> list[Parameter]:
+        """Return the coefficients of these rows, N/m, N/s and so on."""
+        keys = [("k", ""), *(("drift", str(i + 1)) for i in range(len(self.loops)))]
+        keys += [(name, "") for name in names]
+        sizes = FEW * np.linalg.norm(self.f) / (np.linalg.norm(self.linear(names), axis=1) + ZERO)
+        rows = zip(keys, sizes.tolist(), strict=True)
+        return [Parameter(name, 0.0, scale=size, group=group) for (name, group), size in rows]
+
+
+def without_each_block(design: Design, A: Array, left: Array) -> Array:
+    """Return by how much coefficients of least squares change without each block, (blocks, p).   A : rows, (p, n).
+    left : residual of the best fit."""
+    scale = np.sqrt(np.mean(A**2, axis=1)) + ZERO
+    A = A / scale[:, None]
+    G = A @ A.T
+    out = [
+        -np.linalg.pinv(G - A[:, own] @ A[:, own].T, rcond=1e-12, hermitian=True)
+        @ (A[:, own] @ left[own])
+        for own in design.own
+    ]
+    return np.array(out) / scale
