@@ -180,7 +180,7 @@ class ContactFit(Fit):
             ends["K_z"] = high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
         return ends
 
-    def covariance_of(self, *names: str) -> Array:
+    def covariance_of_values(self, *names: str) -> Array:
         """Return the covariance of numbers by name."""
         by = np.array([self.slopes[name] for name in names]).reshape(len(names), self.point.size)
         return np.asarray(by @ self.covariance @ by.T)

@@ -371,7 +371,7 @@ class LoopFit(Fit):
         """The numbers of the contact of all blocks."""
         return self.numbers_at(self.point)
 
-    def covariance_of(self, *symbols: str) -> Array:
+    def covariance_of_values(self, *symbols: str) -> Array:
         """Return the covariance of some of these numbers, to first order."""
         steps = _TINY * np.maximum(np.abs(self.point), self.parameters.scale)
         ends = [self.point + turn * np.diag(steps) for turn in (1.0, -1.0)]
@@ -384,7 +384,7 @@ class LoopFit(Fit):
     @cached_property
     def errors(self) -> dict[str, float]:
         """Standard errors of the values."""
-        errors = np.sqrt(np.diag(self.covariance_of(*self.values)))
+        errors = np.sqrt(np.diag(self.covariance_of_values(*self.values)))
         return dict(zip(self.values, errors.tolist(), strict=True))
 
     @cached_property

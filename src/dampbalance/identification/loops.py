@@ -490,7 +490,7 @@ def _answer(
     if "g" in fit.values:
         merit |= {"gap_m": 2.0 * fit.values["g"], "gap_standard_error_m": 2.0 * fit.errors["g"]}
     symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
-    covariance = covariance_of(parameters, symbols, fit.covariance_of(symbols))
+    covariance = covariance_of(parameters, symbols, fit.covariance_of_values(*symbols))
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 

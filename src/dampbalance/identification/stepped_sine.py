@@ -365,7 +365,7 @@ def _answer(
             merit[f"{symbol}_{unit}"] = fit.values[symbol]
             merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
     bounded = [s for s, p in parameters.items() if math.isfinite(p.standard_error)]
-    covariance = fit.covariance_of(*bounded)
+    covariance = fit.covariance_of_values(*bounded)
     return Answer(
         *(name, parameters, covariance_of(parameters, bounded, covariance), tuple(notes)),
         Balance(rows, misfit.loss * W, names, {"frequency_Hz": hertz}),
