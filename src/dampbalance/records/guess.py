@@ -77,8 +77,8 @@ _OF_MASS = {*WORDS["mass"].split()}
 _ROLES = EXCITATIONS, RESPONSES
 _TAKEN = "other channels are taken for drive and response"
 RESPONSE = (
-    "this is a frequency response, one level of a stepped sine: state the amplitude of its force, force_N, in a mapping "
-    "for each level, or give the records in time"
+    "this is a frequency response, one level of a stepped sine: state the amplitude of its force, force_N, in a "
+    "mapping for each level, or give the records in time"
 )
 _ONE = 0.1  # relative: a derivative, by its units
 _GRAVITY = 9.80665  # m/s²
