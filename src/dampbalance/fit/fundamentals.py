@@ -275,25 +275,29 @@ def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProble
 
 
 def _starts(problem: FundamentalProblem, near: Fit | None) -> list[Array]:
-    """Return points from which to start: near a fit, or where the work of the fundamentals is balanced, the closest of
-    some contact stiffnesses; with each turn of the phase where that is fitted."""
-    exact, places = problem.exact, problem.start.places
-    if near is None:
+    """Return points from which to start: near a fit, if there is one, and where the work of the fundamentals is
+    balanced, the closest of some contact stiffnesses; with each turn of the phase where that is fitted."""
+    exact, delay = problem.exact, problem.start.places["delay"]
+    # rad: a filter of a laboratory turns the phase by that much
+    turns = (-0.1, 0.1) if "delay" in problem.departures else (0.0,)
+    points = []
+    for turn in turns:
+        late = turn / exact.lines[0].omega
         one_harmonic = [
-            replace(one, **{name: getattr(one, name)[:1] for name in ("n", "x", "x_error")})
+            replace(
+                one,
+                n=one.n[:1],
+                x=one.x[:1] * np.exp(1j * one.omega * late),
+                x_error=one.x_error[:1],
+            )
             for one in exact.lines
         ]
         candidates = starts(one_harmonic, exact.k)
         # a rigid contact next to a soft one are two minima: four stiffnesses
         first = np.sort(np.unique(candidates[:, 2], return_index=True)[1])[:4]
-        points = [exact.start(candidate).values for candidate in candidates[first]]
-    else:
-        points = [near.point]
-    if "delay" in problem.departures and near is not None:
-        # rad: a filter of a laboratory turns the phase by that much
-        turns, points = np.array([-0.1, 0.1]) / problem.lines.omega[0], [near.point, near.point]
-        points = [
-            point + turn * np.eye(point.size)[places["delay"]]
-            for point, turn in zip(points, turns, strict=True)
-        ]
+        balanced = [exact.start(candidate).values for candidate in candidates[first]]
+        own = [] if near is None else [near.point.copy()]
+        for point in [*own, *(balanced if near is None or turn else [])]:
+            point[delay] += late
+            points.append(point)
     return [np.where(problem.solved, 0.0, point) for point in points]
