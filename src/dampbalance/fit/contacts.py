@@ -423,8 +423,9 @@ def _fit(problem: StiffnessProblem) -> ContactFit:
     if problem.contact == "gradual":
         about = replace(problem, smoothing=_LESS * problem.smoothing).solve(values)
         moved = problem.residual(about)
-        bias = problem.refitted(moved[None])[0][0] - about
-        covariance += np.outer(bias, bias)
+        noise = np.random.default_rng(_SEED).standard_normal((_DRAWS, moved.size))
+        drawn = problem.refitted(moved + noise)[0] - about
+        covariance = np.cov(drawn.T) + np.outer(drawn.mean(axis=0), drawn.mean(axis=0))
     chi_square = float(np.sum(problem.residual(values) ** 2))
     freedom = problem.samples - np.count_nonzero(problem.used(values))
     return ContactFit(problem.start, covariance, chi_square, max(float(freedom), 1.0), problem)
