@@ -44,12 +44,15 @@ def loops(
     axes.lines[0].set_label("measured")
     axes.lines[-1].set_label("backbone")
     lowest = place(figure, 22.0, 20.0, 150.0, 24.0) if fit else axes
-    for loop, model in zip(fit.design.loops if fit else (), fit.models if fit else (), strict=True):
-        typical = loop.cycle[loop.own] == np.argsort(loop.amplitudes)[loop.cycles // 2]
-        x, f = 1e3 * loop.x[loop.own], loop.f[loop.own]
-        axes.plot(x[typical], model[typical], color=SLIP)
-        lowest.plot(x[typical], (f - model)[typical], color=SLIP, linewidth=0.6)
     if fit:
+        first = 0
+        for loop in fit.design.loops:
+            own = loop.slices[np.argsort(loop.amplitudes)[loop.cycles // 2]]
+            x, f = 1e3 * loop.x[loop.own][own], loop.f[loop.own][own]
+            left = fit.left[first : first + loop.own.size][own]
+            first += loop.own.size
+            axes.plot(x, f - left, color=SLIP)
+            lowest.plot(x, left, color=SLIP, linewidth=0.6)
         axes.lines[-1].set_label("contact fitted")
         axes.tick_params(labelbottom=False)
         lowest.set(xlim=axes.get_xlim(), ylabel=f"residual ({of.unit('N')})")

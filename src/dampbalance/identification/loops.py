@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
-from ..fit.loop_design import MOST_BLOCKS, Design, share_of
+from ..fit.loop_design import MOST_BLOCKS, Design, force_of
 from ..fit.loops import (
     SLIDERS,
     WITHIN,
@@ -27,7 +27,6 @@ from ..fit.loops import (
     fit_gradual,
     fit_slider,
     predicts_better,
-    slips,
     with_late_motion,
 )
 from ..law.terms import FRICTION
@@ -162,7 +161,7 @@ class LoopBasis:
             fit = with_late_motion(fit, fault.late)
         scale = dict.fromkeys(("c", "K_z"), (1.0 + fault.drive) / (1.0 + fault.response))
         scale[FRICTION] = 1.0 + fault.drive
-        return {s: fit.values[s] * by for s, by in scale.items() if s in fit.values}
+        return {s: fit.value(s) * by for s, by in scale.items() if s in fit.parameters}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return force over displacement with the model and the backbone, loss and stiffness against the amplitude,
@@ -286,7 +285,7 @@ def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
         if fit:
             a, _, W = row_of(loop, fit)
             friction = (W - c * np.nan_to_num(b)) / np.where(a > 0.0, a / loop.load, np.nan)
-            stiffness = fit.values["K_z"] * _stiffer(fit, loop, float(fit.drifts[number]))
+            stiffness = fit.value("K_z") * _stiffer(fit, loop, number)
             for of in (friction, stiffness):
                 of[: loop.cycles - loop.settled().cycles] = math.nan
             columns |= {"F_k_N": friction, "K_z_N_per_m": stiffness}
@@ -298,14 +297,16 @@ def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
 
 
 @one_thread
-def _stiffer(fit: LoopFit, loop: Loop, drift: float) -> Array:
-    """Return K_z of each cycle over that of all.   drift : of the force, N/s."""
-    share = share_of(fit.contact, loop)
-    wider = share_of(replace(fit.contact, r=fit.contact.r * (1.0 + _WIDER)), loop)
-    A = np.array([share, (wider - share) / _WIDER, np.ones(share.size)])[:, loop.own].T
-    left = fit.residual(loop, drift)[loop.own]
+def _stiffer(fit: LoopFit, loop: Loop, number: int) -> Array:
+    """Return K_z of each cycle over that of all.   number : of the loop."""
+    r = fit.contact.r * (1.0 + _WIDER)
+    wider = replace(fit.contact, r=r, kappa=fit.contact.kappa / (1.0 + _WIDER))
+    force = force_of(fit.contact, loop)
+    slope = (force_of(wider, loop) - force) / _WIDER
+    A = np.array([force, slope, np.ones(force.size)])[:, loop.own].T
+    left = fit.residual(loop, number)[loop.own]
     moved = [np.linalg.lstsq(A[own], left[own])[0] for own in loop.slices]
-    return np.array([1.0 + (F - width) / fit.contact.F_k for F, width, _ in moved])
+    return np.array([1.0 + size - width for size, width, _ in moved])
 
 
 @with_options(LoopOptions)
@@ -413,8 +414,9 @@ def _unfitted(loops: Sequence[Loop]) -> Answer:
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
     quadratic damper takes."""
-    quadratic = fit.linear.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
-    return loop.by_cycle(share_of(fit.contact, loop)), loop.by_cycle(loop.v), loop.lost - quadratic
+    quadratic = fit.parameters.by_key.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
+    a = loop.by_cycle(force_of(fit.contact, loop)) / (fit.contact.F_k or 1.0)
+    return a, loop.by_cycle(loop.v), loop.lost - quadratic
 
 
 def _answer(
@@ -436,20 +438,18 @@ def _answer(
             fit_gradual(design, SLIDERS // 2),
             *(fit_gradual(design, within=w) for w in fewer),
         ]
-    reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom))
 
     def estimate(symbol: str) -> ParameterEstimate:
-        value, error = fit.values.get(symbol, math.nan), fit.errors.get(symbol, math.nan)
-        determined = slips(fit) and (error > 0.0 if symbol == "c" else value > 0.0)
-        half = reach * error
-        if not determined or (symbol == "c" and value + half <= 0.0):
+        if not fit.slips or symbol not in fit.parameters:
             return UNKNOWN
-        low, high = value - half, value + half
+        value, error, (low, high) = fit.value(symbol), fit.error(symbol), fit.interval(symbol)
+        if not (error > 0.0 and high > 0.0 if symbol == "c" else value > 0.0):
+            return UNKNOWN
         if symbol == "K_z" and low <= 0.0:  # of 1/K_z, which rather has a normal distribution
-            low, high = value / (1.0 + half / value), math.inf
+            low, high = value**2 / high, math.inf
         known = ParameterEstimate(value, error, Interval(low, high))
         compared = [*others, slider] if symbol == "c" and others else others
-        off = max((abs(other.values[symbol] - value) for other in compared), default=0.0)
+        off = max((abs(other.value(symbol) - value) for other in compared), default=0.0)
         # other choices bound it, as a rectangular distribution (GUM 4.3.7); further records have other frictions
         known = known.wider(off / math.sqrt(3.0))
         if scatter and symbol == FRICTION:
@@ -459,9 +459,9 @@ def _answer(
         return known
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
-    c, c_error = (of.get("c", 0.0) for of in (fit.values, fit.errors))
+    c, c_error = (fit.value("c"), fit.error("c")) if "c" in fit.parameters else (0.0, 0.0)
     shape = [*_other_shape(fit)]
-    if not slips(fit):
+    if not fit.slips:
         shape = shape or [Finding("loops stick")]
     elif not design.timed:
         # an ellipse of one size is that of a damper as well as of a contact that yields gradually
@@ -484,13 +484,13 @@ def _answer(
     balance = Balance(Rows(terms, W), np.concatenate(scatters), names)
     merit = {
         "residual": fit.rms / float(np.std(design.f)),
-        "k_N_per_m": fit.values["k"],
-        "k_standard_error_N_per_m": fit.errors["k"],
+        "k_N_per_m": fit.value("k"),
+        "k_standard_error_N_per_m": fit.error("k"),
     }
-    if "g" in fit.values:
-        merit |= {"gap_m": 2.0 * fit.values["g"], "gap_standard_error_m": 2.0 * fit.errors["g"]}
+    if "g" in fit.parameters:
+        merit |= {"gap_m": 2.0 * fit.value("g"), "gap_standard_error_m": 2.0 * fit.error("g")}
     symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
-    covariance = covariance_of(parameters, symbols, fit.covariance_of_values(*symbols))
+    covariance = covariance_of(parameters, symbols, fit.covariance_of(*symbols))
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
@@ -498,7 +498,7 @@ def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
     """Yield findings on the sign of the force, and on what no contact of the model explains."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
         yield Finding("flipped", {"records": listed(flipped)})
-    if not (fit and slips(fit)):
+    if not (fit and fit.slips):
         return
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
     fall, shift = fall_with_speed(fit) if many and fit.design.timed else (0.0, 0.0)
@@ -510,8 +510,8 @@ def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
 def _other_shape(fit: LoopFit) -> Iterator[Finding]:
     """Yield a finding where the loops are none of the contact: by the residual, of F_k or else of the force, and by the
     loss."""
-    stuck = not slips(fit)
-    share = fit.beyond_noise / (float(np.std(fit.design.f)) if stuck else fit.values[FRICTION])
+    stuck = not fit.slips
+    share = fit.beyond_noise / (float(np.std(fit.design.f)) if stuck else fit.value(FRICTION))
     loss = 0.0 if stuck else fit.wrong_loss
     if (off := max(share, loss)) > USELESS:
         numbers = {"share": share, "loss": loss, "wrong": loss > USELESS, "stuck": stuck}
@@ -529,21 +529,20 @@ def _rig(
     fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None
 ) -> Iterator[Finding]:
     """Yield findings on fit, loads, spring, gap, and history of the cycles.   normal : mean normal force, N."""
-    of, errors = fit.values, fit.errors
     settled = [loop.settled() for loop in loops]
     fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, settled))
     if fitted < total:
         yield Finding("excerpt", {"fitted": fitted, "all": total, "runs": MOST_BLOCKS})
     if np.ptp([loop.load for loop in loops]) > _DIFFER:
-        forces = tuple((of[FRICTION] * one.load, one.name) for one in loops)
+        forces = tuple((fit.value(FRICTION) * one.load, one.name) for one in loops)
         N = normal[0] if normal and loops[0].N is not None else 0.0
         yield Finding("friction of each", {"forces": forces, "N": N})
-    measured = {s: (of[s], errors[s]) for s in of if s in errors}
+    measured = {key: (fit.value(key), fit.error(key)) for key in fit.parameters.keys}
     for symbol, code in _SAID_OF.items():
-        if symbol in of:
+        if symbol in measured:
             yield Finding(code, measured)
-    if "g" in of:
-        yield Finding("backlash", {"gap": (2.0 * of["g"], 2.0 * errors["g"])})
+    if "g" in measured:
+        yield Finding("backlash", {"gap": (2.0 * fit.value("g"), 2.0 * fit.error("g"))})
     for loop in loops:
         loop = loop.settled()
         W, cycles = loop.lost, np.arange(loop.cycles)
