@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 
@@ -61,6 +62,13 @@ def loops(
     return explained(figure, [(axes, axes)], scale=1.0)
 
 
+def _by_record(axes: Axes, table: pd.DataFrame, x: str, y: str, size: float, look: str) -> None:
+    """Plot a column of the history over another one, each record in its colour.   size : of a unit of y."""
+    for (name, own), colour in zip(table.groupby("record", sort=False), itertools.cycle(_COLOURS)):
+        across = own[x] if x == "cycle" else 1e3 * own[x]
+        axes.plot(across, size * own[y], look, color=colour, ms=3.0, label=Path(str(name)).name)
+
+
 @styled()
 def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Coordinate) -> Figure:
     """Return W/(4X), the secant stiffness and the equivalent damping ratio of each cycle against its amplitude (dots);
@@ -76,16 +84,13 @@ def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Co
         (133.0, "equivalent_damping_ratio", 100.0, "$\\zeta_\\mathrm{eq}$ (%)"),
     ):
         axes = place(figure, left, 22.0, 42.0, 36.0)
-        for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
-            own = table[table["record"] == loop.name]
-            name = Path(loop.name).name
-            axes.plot(1e3 * own["X_m"], size * own[column], "o", color=colour, ms=3.0, label=name)
-            if fit and column == "W_over_4X_N":
-                W, error = fit.loss(loop, X)
-                reach = float(student.ppf(0.975, fit.freedom)) * error
-                axes.plot(1e3 * X, W / (4.0 * X), color=colour)
-                band = (W - reach) / (4.0 * X), (W + reach) / (4.0 * X)
-                axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
+        _by_record(axes, table, "X_m", column, size, "o")
+        for loop, colour in zip(loops if fit and size == 1.0 else (), itertools.cycle(_COLOURS)):
+            W, error = fit.loss(loop, X)
+            reach = float(student.ppf(0.975, fit.freedom)) * error
+            axes.plot(1e3 * X, W / (4.0 * X), color=colour)
+            band = (W - reach) / (4.0 * X), (W + reach) / (4.0 * X)
+            axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
         axes.margins(0.06)
         axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
         axes.set(xlim=(0.0, None), ylim=(0.0, 1.08 * axes.dataLim.ymax))
@@ -103,11 +108,6 @@ def history(table: pd.DataFrame, of: Coordinate) -> Figure:
         (20.0, "K_z_N_per_m", 1e-3, f"stiffness, {of.label('K_z', 'N/mm')}"),
     ):
         axes = place(figure, 22.0, bottom, 150.0, 40.0)
-        records = table.groupby("record", sort=False)
-        for (name, own), colour in zip(records, itertools.cycle(_COLOURS)):
-            (line,) = axes.plot(
-                own["cycle"], size * own[column], "o-", color=colour, markersize=3.0
-            )
-            line.set_label(Path(str(name)).name)
+        _by_record(axes, table, "cycle", column, size, "o-")
         axes.set(xlabel="cycle", ylabel=label)
     return explained(figure, [(axes, axes)], scale=1.0)

@@ -402,10 +402,9 @@ def _fits(loops: Sequence[Loop], backlash: bool) -> dict[str, LoopFit]:
 def _unfitted(loops: Sequence[Loop]) -> Answer:
     """Return an answer without numbers, as too few cycles are recorded; its rows are those of a rigid contact."""
     parameters = dict.fromkeys((FRICTION, "c", "K_z"), UNKNOWN)
-    cycles = sum(loop.cycles for loop in loops)
-    numbers = {"cycles": cycles, "many": cycles > 1, "least": FEWEST_CYCLES + len(loops)}
-    note = Finding("few loops", numbers)
     X, W = (np.concatenate([getattr(of, n) for of in loops]) for n in ("amplitudes", "lost"))
+    numbers = {"cycles": W.size, "many": W.size > 1, "least": FEWEST_CYCLES + len(loops)}
+    note = Finding("few loops", numbers)
     names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
     balance = Balance(Rows({FRICTION: 4.0 * X}, W), np.full(W.size, math.nan), names)
     return Answer("one slider", parameters, covariance_of(parameters), (note,), balance)
