@@ -85,7 +85,9 @@ def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Co
     ):
         axes = place(figure, left, 22.0, 42.0, 36.0)
         _by_record(axes, table, "X_m", column, size, "o")
-        for loop, colour in zip(loops if fit and size == 1.0 else (), itertools.cycle(_COLOURS)):
+        for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
+            if not fit or column != "W_over_4X_N":
+                break
             W, error = fit.loss(loop, X)
             reach = float(student.ppf(0.975, fit.freedom)) * error
             axes.plot(1e3 * X, W / (4.0 * X), color=colour)

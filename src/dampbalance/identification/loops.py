@@ -126,30 +126,21 @@ class LoopBasis:
 
     def levels(self, found: Result[Any]) -> list[Level]:
         """Return the mean cycle of each amplitude in each record."""
-        levels, c = [], loop_contact(found)["c"]
+        levels, c, fit = [], loop_contact(found)["c"], self.fits.get(found.answer.name)
         for loop in self.loops:
-            friction = np.full(loop.cycles, math.nan)
-            if fit := self.fits.get(found.answer.name):
-                _, b, without_quadratic = row_of(loop, fit)
-                friction = without_quadratic - c * b
-            samples = np.bincount(loop.cycle[loop.own])
+            _, b, W = row_of(loop, fit) if fit else (0.0, 0.0, math.nan * loop.lost)
+            X = np.where(loop.closed, loop.amplitudes, math.nan)
+            cycles, samples = np.array([X, loop.lost, W - c * b]), np.bincount(loop.cycle[loop.own])
             for own in levels_of(loop.amplitudes):
                 if own.size > 1 and loop.first == 1:  # the first cycle begins on the virgin curve
                     own = own[own > 0]
                 duration = float(np.median(samples[own]) * (loop.t[1] - loop.t[0]))
                 omega = 2.0 * math.pi / duration if loop.timed else math.nan
-                X, W, of_friction = (
-                    float(of[own].mean())
-                    for of in (
-                        np.where(loop.closed, loop.amplitudes, math.nan),
-                        loop.lost,
-                        friction,
-                    )
-                )
+                X, W, friction = cycles[:, own].mean(axis=1).tolist()
                 more = measures(X, W, loop.peaks[own].mean(axis=0))
                 zeta = more["equivalent_damping_ratio"]
                 more |= {"cycles": own.size, "loss_factor": 2.0 * zeta, "Q": 0.5 / zeta}
-                levels.append(Level(loop.name, X, omega, W, of_friction, more))
+                levels.append(Level(loop.name, X, omega, W, friction, more))
         return levels
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
@@ -240,11 +231,8 @@ def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
     if found.basis.normal_force is None:
         return math.nan, Interval(math.nan, math.nan)
     (N, error), F = found.basis.normal_force, found.answer.parameters[FRICTION]
-    mu, of_N = F.value / N, F.value / N * error / N
-    scaled = ParameterEstimate(
-        mu, F.standard_error / N, Interval(F.interval.low / N, F.interval.high / N)
-    )
-    return mu, scaled.wider(of_N).interval
+    low, high = F.wider(F.value * error / N).interval
+    return F.value / N, Interval(low / N, high / N)
 
 
 def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
