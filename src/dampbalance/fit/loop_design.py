@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +18,7 @@ MOST_BLOCKS = 24
 """Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
 
 FEW = 1e-3  # of a size, of a parameter that is near zero
+_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 ZERO = 1e-300  # beside what may be zero
 # part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
 _BETWEEN, _STEADY = 0.8, 0.1
@@ -31,6 +33,12 @@ def deflections_of(contact: Sliders, loop: Loop) -> Array:
 def force_of(contact: Sliders, loop: Loop) -> Array:
     """Return the force of a contact in the motion of a loop, N, (n,)."""
     return np.asarray(contact.kappa @ deflections_of(contact, loop))
+
+
+def slope_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the derivative of this force by ln F_k at the same stiffness, N, (n,)."""
+    wider = replace(contact, r=contact.r * (1.0 + _WIDER))
+    return (force_of(wider, loop) - force_of(contact, loop)) / _WIDER
 
 
 def lost(loop: Loop, contact: Sliders, values: Mapping[str, float]) -> Array:

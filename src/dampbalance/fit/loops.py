@@ -37,6 +37,7 @@ from .loop_design import (
     force_of,
     lost,
     motions_of,
+    slope_of,
     without_each_block,
 )
 from .multistart import Trail, climb_on
@@ -45,8 +46,7 @@ from .parameters import Parameter, Parameters
 _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
-_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
-_STEP = 1e-4  # of a parameter of the shape, likewise
+_STEP = 1e-4  # of a parameter of the shape, of a difference quotient
 _KNEE = 0.98  # of F_k: a rounded knee counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
@@ -187,7 +187,8 @@ class SliderProblem(LoopProblem):
 
     def fitted(self, start: Parameters) -> LoopFit:
         """Return the fit that a climb from a start finds; one step of Gauss and Newton leaves a block out."""
-        design, limits = self.design, self.parameters.limits
+        design, limits, many = self.design, self.parameters.limits, len(self.parameters)
+        start = self.parameters.at(start.values[:many])
         total = float(design.f @ design.f)
         least = _EXACT**2 * total
         for _ in range(_ROUNDS):
@@ -223,8 +224,11 @@ class GradualProblem(LoopProblem):
         """Return the contact with these values of the parameters."""
         return Sliders(self.r, values[: self.r.size] / self.r)
 
-    def fitted(self) -> LoopFit:
-        """Return the fit of least squares, refitted without each block; neither sliders nor spring and damper push."""
+    def fitted(self, start: Parameters | None = None) -> LoopFit:
+        """Return the fit of least squares, refitted without each block; neither sliders nor spring and damper push.
+
+        start : it needs none.
+        """
         from scipy.optimize import nnls  # slow to import
 
         design = self.design
@@ -315,18 +319,13 @@ class LoopFit(Fit):
     @cached_property
     def slips(self) -> bool:
         """Whether the contact slips for certain, and long enough for F_k to be determined."""
-        certain = self.value("F_k") > _CERTAIN * self.error("F_k")
-        return certain and self.slipping > _SLIPPING
-
-    @property
-    def slipping(self) -> float:
-        """Share of the samples in slip, of the largest slider that there is."""
-        contact = self.contact
+        contact = self.contact  # the largest slider that there is
         i = int(np.flatnonzero(contact.kappa).max(initial=0))
         r = contact.r[i : i + 1]
         share = self.design.forces(replace(contact, r=r, kappa=1.0 / r))
         knee = 1.0 - 1e-9 if math.isinf(contact.n) else _KNEE
-        return float(np.mean(np.abs(share) > knee * self.design.load))
+        slipping = float(np.mean(np.abs(share) > knee * self.design.load))
+        return slipping > _SLIPPING and self.value("F_k") > _CERTAIN * self.error("F_k")
 
     @cached_property
     def predicted(self) -> Array:
@@ -452,14 +451,10 @@ def different_forces(fit: LoopFit) -> Array:
     same = np.ones(len(loops))
     if same.size == 1 or not fit.slips:
         return same
-    force, wider = (
-        [force_of(replace(contact, r=contact.r * of), loop) for loop in loops]
-        for of in (1.0, 1.0 + _WIDER)
-    )
-    slope = (design.stacked(wider) - design.stacked(force)) / _WIDER
+    slope = design.stacked([slope_of(contact, loop) for loop in loops])
     number = np.repeat(np.arange(same.size), [loop.own.size for loop in loops])
     slopes = [np.where(number == i, slope, 0.0) for i in range(same.size)]
-    found = _further(fit, [[*slopes, design.stacked(force)]])
+    found = _further(fit, [[*slopes, design.forces(contact)]])
     forces = same if found is None else 1.0 + found[: same.size]
     return np.asarray(forces / forces.mean()) if forces.min() > 0.0 else same
 
@@ -468,10 +463,8 @@ def different_forces(fit: LoopFit) -> Array:
 def with_late_motion(fit: LoopFit, late: float) -> LoopFit:
     """Return the fit with its displacement later by some time, s, as a fit to the force that much earlier."""
     design = Design([replace(of, f=np.interp(of.t + late, of.t, of.f)) for of in fit.design.loops])
-    if isinstance(fit.problem, GradualProblem):
-        return replace(fit.problem, design=design).fitted()
-    problem = replace(fit.problem, design=design)
-    return problem.fitted(problem.parameters.at(fit.point[: len(problem.parameters)]))
+    late_fit: LoopFit = replace(fit.problem, design=design).fitted(fit.parameters)
+    return late_fit
 
 
 def _less(one: Array, other: Array, p: float) -> bool:

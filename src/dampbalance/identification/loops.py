@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
-from ..fit.loop_design import MOST_BLOCKS, Design, force_of
+from ..fit.loop_design import MOST_BLOCKS, Design, force_of, slope_of
 from ..fit.loops import (
     SLIDERS,
     WITHIN,
@@ -63,7 +63,6 @@ if TYPE_CHECKING:
 _FALLS = 0.005
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
-_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 _NO_SLIDER = 0.2  # of F_k or of the loss, from which on a residual bounds no number of the fit
@@ -287,14 +286,11 @@ def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
 @one_thread
 def _stiffer(fit: LoopFit, loop: Loop, number: int) -> Array:
     """Return K_z of each cycle over that of all.   number : of the loop."""
-    r = fit.contact.r * (1.0 + _WIDER)
-    wider = replace(fit.contact, r=r, kappa=fit.contact.kappa / (1.0 + _WIDER))
     force = force_of(fit.contact, loop)
-    slope = (force_of(wider, loop) - force) / _WIDER
-    A = np.array([force, slope, np.ones(force.size)])[:, loop.own].T
+    # all of the force grows with K_z, once the change of F_k at the same stiffness is apart
+    A = np.array([force, slope_of(fit.contact, loop), np.ones(force.size)])[:, loop.own].T
     left = fit.residual(loop, number)[loop.own]
-    moved = [np.linalg.lstsq(A[own], left[own])[0] for own in loop.slices]
-    return np.array([1.0 + size - width for size, width, _ in moved])
+    return np.array([1.0 + np.linalg.lstsq(A[own], left[own])[0][0] for own in loop.slices])
 
 
 @with_options(LoopOptions)
