@@ -11,7 +11,6 @@ from dampbalance.fit.loops import (
     fit_slider,
     predicts_better,
     slider,
-    slips,
 )
 from dampbalance.signals.loops import Loop, corners, middles, turning_points
 
@@ -67,11 +66,11 @@ def test_reversals_are_returns_by_more_than_noise():
 def test_a_slider_with_spring_and_damper_is_identified(x):
     fit = fitted(loop(x))
     # requirement at 1 % of noise: F_k within 1 %, K_z within 5 %
-    assert fit.values["F_k"] == pytest.approx(F_K, rel=0.01)
-    assert fit.values["K_z"] == pytest.approx(K_Z, rel=0.05)
+    assert fit.value("F_k") == pytest.approx(F_K, rel=0.01)
+    assert fit.value("K_z") == pytest.approx(K_Z, rel=0.05)
     for symbol, true in {"F_k": F_K, "K_z": K_Z, "k": K, "c": C}.items():
         # five standard errors are exceeded once in 20,000 cases of 19 degrees of freedom
-        assert abs(fit.values[symbol] - true) < 5.0 * fit.errors[symbol], symbol
+        assert abs(fit.value(symbol) - true) < 5.0 * fit.error(symbol), symbol
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -82,7 +81,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         fit = fitted(loop(seed=seed))
         reach = student.ppf(0.975, fit.freedom)
         inside += [
-            abs(fit.values[s] - true) < reach * fit.errors[s]
+            abs(fit.value(s) - true) < reach * fit.error(s)
             for s, true in {"F_k": F_K, "K_z": K_Z, "c": C}.items()
         ]
     # 180 with a probability of 95 %, three of a fit being one: 4 σ = 4·√(0.95·0.05/60) is 11 %
@@ -97,18 +96,18 @@ def test_a_force_of_the_other_sign_is_turned():
 
 def test_a_dead_band_is_named_where_it_is_and_nowhere_else():
     fit = fitted(loop(gap=1e-4), backlash=True)
-    assert fit.values["g"] == pytest.approx(1e-4, rel=0.01)
-    assert fit.values["K_z"] == pytest.approx(K_Z, rel=0.05)
-    assert fit.values["F_k"] == pytest.approx(F_K, rel=0.01)
-    assert [s for s in range(10) if "g" in fitted(loop(seed=s), backlash=True).values] == []
+    assert fit.value("g") == pytest.approx(1e-4, rel=0.01)
+    assert fit.value("K_z") == pytest.approx(K_Z, rel=0.05)
+    assert fit.value("F_k") == pytest.approx(F_K, rel=0.01)
+    assert [s for s in range(10) if "g" in fitted(loop(seed=s), backlash=True).parameters] == []
 
 
 def test_a_triangle_does_not_determine_c():
     design = Design([loop(TRIANGLE)])
     assert not design.with_c
     fit = fit_slider(design)
-    assert fit.values["F_k"] == pytest.approx(F_K + C * 4.0 * X, rel=0.01)
-    assert fit.values["K_z"] == pytest.approx(K_Z, rel=0.05)
+    assert fit.value("F_k") == pytest.approx(F_K + C * 4.0 * X, rel=0.01)
+    assert fit.value("K_z") == pytest.approx(K_Z, rel=0.05)
 
 
 def test_two_speeds_of_a_triangle_determine_c():
@@ -116,8 +115,8 @@ def test_two_speeds_of_a_triangle_determine_c():
     design = Design([loop(TRIANGLE, c=300.0), loop(slow, c=300.0, seed=1)])
     assert design.with_c
     fit = fit_slider(design)
-    assert fit.values["c"] == pytest.approx(300.0, rel=0.05)
-    assert fit.values["F_k"] == pytest.approx(F_K, rel=0.02)
+    assert fit.value("c") == pytest.approx(300.0, rel=0.05)
+    assert fit.value("F_k") == pytest.approx(F_K, rel=0.02)
 
 
 def test_many_sliders_are_chosen_where_there_are_many():
@@ -125,8 +124,8 @@ def test_many_sliders_are_chosen_where_there_are_many():
     design = Design([loop(contact=contact)])
     gradual = fit_gradual(design)
     assert predicts_better(gradual, fit_slider(design))
-    assert gradual.values["F_k"] == pytest.approx(sum(a * r for a, r in contact), rel=0.02)
-    assert gradual.values["K_z"] == pytest.approx(8e4, rel=0.05)
+    assert gradual.value("F_k") == pytest.approx(sum(a * r for a, r in contact), rel=0.02)
+    assert gradual.value("K_z") == pytest.approx(8e4, rel=0.05)
 
 
 def test_one_slider_is_kept_where_there_is_one():
@@ -135,7 +134,7 @@ def test_one_slider_is_kept_where_there_is_one():
 
 
 def test_a_contact_that_only_sticks_has_no_friction_force():
-    assert not slips(fitted(loop(0.15 * SINE, noise=1e-3)))
+    assert not fitted(loop(0.15 * SINE, noise=1e-3)).slips
 
 
 def test_a_motion_without_a_complete_cycle_is_refused():

@@ -42,6 +42,9 @@ def test_a_table_is_recognised_and_its_friction_usable():
     assert abs(of["offset_N"] - TRUE["T_0"]) < 3.0 * of["offset_standard_error_N"]
     assert {"offset", "no fall", "no K_z"} <= codes(found)
     assert found.text().count("K_z") == 1
+    said = found.text() + json.dumps(found.document())
+    assert "the gain of the torque" in said
+    assert "the motion reads 1 % too large" in said
 
 
 @pytest.mark.parametrize(

@@ -137,7 +137,7 @@ def test_a_friction_that_falls_with_the_speed_is_identified():
         assert found.verdicts[symbol].verdict == "usable"
     for symbol, true in {"F_S": 0.4 * F_K, "v_S": v_S}.items():
         # five standard errors are exceeded once in 20,000 cases of 18 degrees of freedom
-        assert abs(fit_of(found).values[symbol] - true) < 5.0 * fit_of(found).errors[symbol], symbol
+        assert abs(fit_of(found).value(symbol) - true) < 5.0 * fit_of(found).error(symbol), symbol
     assert "The friction falls with the speed" in found.text()
 
 
@@ -151,7 +151,7 @@ def test_a_quadratic_damper_and_a_moving_mass_are_identified():
         records.append({"time_s": T, "displacement_m": x, "force_N": force + more})
     found = identify_loops(records)
     for symbol, true in {"F_k": F_K, "K_z": K_Z, "c": 0.0, "c_2": 3e4, "m": 20.0}.items():
-        assert abs(fit_of(found).values[symbol] - true) < 5.0 * fit_of(found).errors[symbol], symbol
+        assert abs(fit_of(found).value(symbol) - true) < 5.0 * fit_of(found).error(symbol), symbol
     assert "A quadratic damper of c_2" in found.text()
 
 
@@ -164,7 +164,7 @@ def test_a_rounded_knee_is_named_and_goes_into_a_response_as_sliders():
     noise = 0.01 * F_K * np.random.default_rng(4).normal(size=f.size)
     found = identify_loops({"time_s": T[:-1], "displacement_m": SINE[:-1], "force_N": f + noise})
     for symbol, true in {"F_k": F_K, "K_z": K_Z, "n": n}.items():
-        assert abs(fit_of(found).values[symbol] - true) < 5.0 * fit_of(found).errors[symbol], symbol
+        assert abs(fit_of(found).value(symbol) - true) < 5.0 * fit_of(found).error(symbol), symbol
     assert "The knee of the loop is rounded" in found.text()
     # the same loss as the contact at the amplitude of the record, by sliders of the gradual contact
     r, kappa = loop_sliders(found)["r"], loop_sliders(found)["kappa"]
@@ -380,8 +380,8 @@ def test_the_difference_to_other_choices_of_sliders_is_no_standard_deviation(mon
         fit_gradual(design, within=(WITHIN[0], loops._SOFTEST)),
         fit_gradual(design, within=(loops._STIFFEST, WITHIN[1])),
     ]
-    off = max(abs(of.values["K_z"] - fit.values["K_z"]) for of in others)
-    own = student.ppf(0.975, fit.freedom) * fit.errors["K_z"]
+    off = max(abs(of.value("K_z") - fit.value("K_z")) for of in others)
+    own = student.ppf(0.975, fit.freedom) * fit.error("K_z")
     half = 0.5 * np.diff(found.intervals["K_z"])[0]
     assert half == pytest.approx(math.hypot(own, 1.96 * off / math.sqrt(3.0)), rel=1e-4)
 

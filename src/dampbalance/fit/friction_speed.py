@@ -4,46 +4,43 @@
 
 with the Coulomb friction F_k, the viscous damping c, an offset T_0 (of the sensor, or gravity) and, where the data show
 it clearly, a friction that falls with the speed by F_S over v_S (Stribeck). No mass moves and no spring is deflected:
-the mean is that of the law alone. The scatter about the law gives the errors.
+the mean is that of the law alone. The scatter about the law gives the errors. A quadratic damper, c_2 v|v|, is fitted
+in place of the fall to see whether it explains the data as well.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from scipy import special
 
 from ..arrays import Array, Mask
-from .climb import Climb
 from .errors import inverse_information
 from .fit import Fit
-from .multistart import Trail, climb_on, multistart
+from .multistart import Trail, climb_on
 from .parameters import Parameter, Parameters
 
-P_FALL, P_HINT = 1e-3, 0.05
-"""Probability that scatter alone looks like a fall, below which it is taken; and below which intervals include it."""
-
+_P_FALL, _P_HINT = 1e-3, 0.05  # of scatter: a fall is taken, and the intervals include one
 _SPEEDS = 7  # v_S from which climbs start
 _FEWEST = 5  # sizes of speeds that may show a fall
 _EXACT = 1e-9  # of the range of the force: a scatter below is rounding
 _ONE_SPEED = 1e-3  # relative: sizes of speeds that differ by less are one
+_ALIKE = 10.0  # of χ²: a law that leaves so much more than another one is as likely as scatter
 
 
-@dataclass(frozen=True, eq=False)
-class SteadySpeeds:
-    """Mean forces at steady speeds, (n,) each.
+class SteadySpeeds(NamedTuple):
+    """Mean forces at steady speeds, (n,) each, and the law of them.
 
-    v : m/s, none of them zero.   F : N.   error : standard errors of F, N, as stated, or all of them one size.
-    stated : whether they are.
+    v : m/s, none of them zero.   F : N.   error : standard errors of F, N, as stated, else ones.   stated : whether
+    they are.
     """
 
     v: Array
     F: Array
     error: Array
-    stated: bool
+    stated: bool = False
 
     @property
     def both_ways(self) -> bool:
@@ -56,119 +53,98 @@ class SteadySpeeds:
         sizes = np.sort(np.abs(self.v))
         return sizes[np.append(True, np.diff(sizes) > _ONE_SPEED * sizes[1:])]
 
-
-class SpeedFit(Fit):
-    """A fit of the law; χ² counts in the standard errors of the data."""
-
-    @property
-    def errors_hold(self) -> bool:
-        """Whether the standard errors are stated and cover the scatter, which else gives them."""
-        return bool(self.problem.data.stated and self.misfit <= 1.0)
-
-    def freedom_of(self, key: str) -> float:
-        """Return the degrees of freedom of the error of a parameter."""
-        return math.inf if self.errors_hold else self.freedom
-
-
-class SpeedProblem(NamedTuple):
-    """The law at some steady speeds; its parameters are F_k, c, T_0, F_S and v_S."""
-
-    data: SteadySpeeds
-
-    @property
-    def samples(self) -> int:
-        """Number of forces."""
-        return self.data.v.size
-
-    def thinned(self) -> SpeedProblem:
-        """Return the problem: it is small."""
-        return self
-
     def products(self, values: Array, free: Mask, trail: Trail, out: Array) -> bool:
         """Set JᵀJ bordered by Jᵀr and χ², see `fit.multistart`."""
-        slopes, left = law(values, self.data.v)[1] * free, self.residuals(values)
-        rows = np.column_stack([slopes / self.data.error[:, None], left])
+        force, slopes = law(values, self.v)
+        rows = np.column_stack([slopes * free, force - self.F]) / self.error[:, None]
         np.matmul(rows.T, rows, out=out)
         return True
 
-    def residuals(self, values: Array) -> Array:
-        """Return model − data in standard errors, (n,)."""
-        return (law(values, self.data.v)[0] - self.data.F) / self.data.error
+    def start(self, *further: str) -> Parameters:
+        """Return where a climb starts, without a force.   further : parameters beyond the line that are free.
 
-    def fit(self, end: Climb) -> SpeedFit:
-        """Return the fit where a climb ended."""
-        of = end.parameters
-        freedom = self.samples - int(np.count_nonzero(of.free))
-        covariance = inverse_information(end.products[:-1, :-1], of.prior)
-        rest = end.chi_square, freedom, self, (), end.evaluations, end.promise
-        fit = SpeedFit(of, covariance, *rest)
-        return fit if fit.errors_hold else replace(fit, covariance=fit.misfit * covariance)
+        v_S lies between the second speed, so that more than one point shows the fall, and the largest.
+        """
+        sizes, scale = self.sizes, _EXACT * float(np.abs(self.F).max())
+        low, high = float(sizes[min(1, sizes.size - 1)]), float(sizes[-1])
+        some = [
+            Parameter("F_k", 0.0, scale=scale),
+            Parameter("c", 0.0, free=sizes.size > 1, scale=scale / high),
+            Parameter("T_0", 0.0, free=self.both_ways, scale=scale),
+            Parameter("F_S", 0.0, low=0.0, free=False, scale=scale),
+            Parameter("v_S", high, low=low, high=high, free=False, scale=high),
+            Parameter("c_2", 0.0, free=False, scale=scale / high**2),
+        ]
+        return Parameters.of(some).freed(*further)
+
+    def fit(self, start: Parameters) -> SpeedFit:
+        """Return the fit that a climb from a start finds."""
+        end = climb_on(self, start, gain=0.0)
+        assert end is not None
+        freedom = self.v.size - int(np.count_nonzero(start.free))
+        covariance = inverse_information(end.products[:-1, :-1], start.prior)
+        if not self.stated or end.chi_square > freedom:
+            covariance = covariance * end.chi_square / max(freedom, 1)
+        return SpeedFit(end.parameters, covariance, end.chi_square, freedom, self)
+
+
+class SpeedFit(Fit):
+    """A fit of the law; its problem has the data, in whose standard errors χ² counts."""
+
+    def freedom_of(self, key: str) -> float:
+        """Return the degrees of freedom of the error of a parameter: none are lost where errors are stated and cover
+        the scatter, which else gives them."""
+        return math.inf if self.problem.stated and self.misfit <= 1.0 else self.freedom
+
+    @property
+    def left(self) -> Array:
+        """Force of the law less that of the data, N, (n,)."""
+        return law(self.point, self.problem.v)[0] - self.problem.F
+
+    @property
+    def noise(self) -> Array:
+        """Standard errors of the forces, N, (n,), as stated, else the scatter about the law, rounding at the least."""
+        data = self.problem
+        least = _EXACT * float(np.abs(data.F).max())
+        return data.error * (1.0 if data.stated else max(math.sqrt(self.misfit), least))
+
+    def has(self, key: str) -> bool:
+        """Return whether the data determine a parameter, by this law."""
+        return self.parameters[key].free
 
 
 def law(values: Array, v: Array) -> tuple[Array, Array]:
-    """Return the force at some speeds, N, (n,), and its derivatives, (n, 5).
+    """Return the force at some speeds, N, (n,), and its derivatives, (n, 6).
 
-    values : F_k, c, T_0, F_S, v_S.   v : m/s, (n,).
+    values : F_k, c, T_0, F_S, v_S, c_2.   v : m/s, (n,).
     """
-    F_S, v_S = values[3:]
+    F_k, c, T_0, F_S, v_S, c_2 = values
     ratio, way = (v / v_S) ** 2, np.sign(v)
     fallen = way * np.exp(-ratio)
-    columns = [way, v, np.ones(v.size), fallen, 2.0 * F_S / v_S * ratio * fallen]
-    slopes = np.column_stack(columns)
-    return slopes[:, :4] @ values[:4], slopes
+    force = F_k * way + c * v + T_0 + F_S * fallen + c_2 * v * np.abs(v)
+    columns = [way, v, np.ones(v.size), fallen, 2.0 * F_S / v_S * ratio * fallen, v * np.abs(v)]
+    return force, np.column_stack(columns)
 
 
-def starts(data: SteadySpeeds, *, falls: bool) -> list[Parameters]:
-    """Return where climbs start, without a force; of a friction that falls at several v_S, each a possible minimum.
-
-    v_S lies between the second speed, so that more than one point shows the fall, and the largest.
-    """
-    sizes, size = data.sizes, float(np.abs(data.F).max())
-    low, high = float(sizes[min(1, sizes.size - 1)]), float(sizes[-1])
-    line = Parameters.of(
-        [
-            Parameter("F_k", 0.0, scale=_EXACT * size),
-            Parameter("c", 0.0, free=sizes.size > 1, scale=_EXACT * size / high),
-            Parameter("T_0", 0.0, free=data.both_ways, scale=_EXACT * size),
-            Parameter("F_S", 0.0, low=0.0, free=falls, scale=_EXACT * size),
-            Parameter("v_S", high, low=low, high=high, free=falls, scale=high),
-        ]
-    )
-    if not falls:
-        return [line]
-    return [line.moved(v_S=v_S) for v_S in np.geomspace(low, high, _SPEEDS).tolist()]
-
-
-def fit_speeds(data: SteadySpeeds) -> tuple[SpeedFit, SpeedFit | None, float]:
-    """Return the fit without a fall of the friction, the one with it, and the probability that scatter alone gains as
-    much, by an F test of two parameters; None and 1 where too few speeds show it.
+def fit_speeds(data: SteadySpeeds) -> tuple[SpeedFit, list[SpeedFit], float]:
+    """Return the fit, others that explain the data about as well and that intervals are to include, and the probability
+    that scatter alone gains as much by a fall, by an F test of two parameters; 1 where too few speeds show it.
 
     That the best v_S is looked for makes gains by scatter larger, and that friction only falls makes every other one
     zero: together the test rejects as often as it says.
     """
-    problem = SpeedProblem(data)
-    (line, *_) = multistart(problem, starts(data, falls=False))
+    line, blank = data.fit(data.start()), data.start("F_S", "v_S")
     if data.sizes.size < _FEWEST or line.freedom < 3.0:
-        return line, None, 1.0
-    (fall, *_) = multistart(problem, starts(data, falls=True))
+        return line, [], 1.0
+    speeds = np.geomspace(blank["v_S"].low, blank["v_S"].high, _SPEEDS).tolist()
+    falls = [data.fit(blank.moved(v_S=v_S)) for v_S in speeds]
+    fall = min(falls, key=lambda fit: fit.chi_square)
+    left = max(fall.misfit, (_EXACT * float(np.abs(data.F).max() / data.error.min())) ** 2)
     gain = (line.chi_square - fall.chi_square) / 2.0
-    exact = _EXACT * float(np.abs(data.F).max() / data.error.min())
-    left = max(fall.misfit, exact**2)
     p = float(special.fdtrc(2.0, fall.freedom, max(0.0, gain / left)))
-    if not data.stated:  # the climb is to end close to the optimum in terms of the scatter about it
-        own = SpeedProblem(replace(data, error=data.error * math.sqrt(left)))
-        end = climb_on(own, fall.parameters)
-        fall = fall if end is None else own.fit(end)
-    return line, fall, p
-
-
-def with_scatter(v: Array, F: Array, stated: Array | None) -> SteadySpeeds:
-    """Return data with their standard errors: as stated, else the scatter about the line."""
-    data = SteadySpeeds(v, F, np.ones(v.size) if stated is None else stated, stated is not None)
-    if stated is None:
-        slopes = law(np.array([0.0, 0.0, 0.0, 0.0, 1.0]), v)[1][:, : 2 + data.both_ways]
-        left = F - slopes @ np.linalg.lstsq(slopes, F)[0]
-        scatter = float(np.linalg.norm(left)) / math.sqrt(max(1, v.size - slopes.shape[1]))
-        size = max(scatter, _EXACT * float(np.abs(F).max()))
-        data = SteadySpeeds(v, F, np.full(v.size, size), stated=False)
-    return data
+    if p >= _P_HINT:
+        return line, [], p
+    quadratic = data.fit(data.start("c_2"))
+    alike = quadratic.chi_square < fall.chi_square + _ALIKE * left
+    others = [quadratic] if alike else []
+    return (fall, others, p) if p < _P_FALL else (line, [fall, *others], p)

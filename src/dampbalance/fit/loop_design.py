@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -17,33 +18,34 @@ MOST_BLOCKS = 24
 """Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
 
 FEW = 1e-3  # of a size, of a parameter that is near zero
+_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 ZERO = 1e-300  # beside what may be zero
 # part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
 _BETWEEN, _STEADY = 0.8, 0.1
 _INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
 
 
-def forces_of(contact: Sliders, loop: Loop) -> Array:
-    """Return the force of each element of a contact in the motion of a loop, N, (j, n)."""
-    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
-    return np.asarray(contact.kappa[:, None] * z)
+def deflections_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the deflection of each element of a contact in the motion of a loop, m, (j, n)."""
+    return contact.deflections(loop.x, loop.v, loop.through, loop.load)
 
 
 def force_of(contact: Sliders, loop: Loop) -> Array:
-    """Return the force of all elements of a contact in the motion of a loop, N, (n,)."""
-    z = contact.deflections(loop.x, loop.v, loop.through, loop.load)
-    return np.asarray(contact.kappa @ z)
+    """Return the force of a contact in the motion of a loop, N, (n,)."""
+    return np.asarray(contact.kappa @ deflections_of(contact, loop))
 
 
-def share_of(contact: Sliders, loop: Loop) -> Array:
-    """Return the force of all elements of a contact in the motion of a loop over F_k, (n,)."""
-    return force_of(contact, loop) / (contact.F_k or 1.0)
+def slope_of(contact: Sliders, loop: Loop) -> Array:
+    """Return the derivative of this force by ln F_k at the same stiffness, N, (n,)."""
+    wider = replace(contact, r=contact.r * (1.0 + _WIDER))
+    return (force_of(wider, loop) - force_of(contact, loop)) / _WIDER
 
 
-def lost(loop: Loop, contact: Sliders, linear: Mapping[str, float]) -> Array:
-    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,)."""
-    damped = linear.get("c", 0.0) + linear.get("c_2", 0.0) * np.abs(loop.v)
-    return loop.by_cycle(contact.F_k * share_of(contact, loop) + damped * loop.v)
+def lost(loop: Loop, contact: Sliders, values: Mapping[str, float]) -> Array:
+    """Return the energy that a contact and dampers take in each cycle of a motion, J, (cycles,).   values : of c and
+    c_2, where there are."""
+    damped = values.get("c", 0.0) + values.get("c_2", 0.0) * np.abs(loop.v)
+    return loop.by_cycle(force_of(contact, loop) + damped * loop.v)
 
 
 def motions_of(loop: Loop) -> dict[str, Array]:
@@ -57,19 +59,12 @@ class Design:
     def __init__(self, loops: Sequence[Loop]) -> None:
         """Stack the cycles of the loops."""
         self.loops, self.timed = loops, all(loop.timed for loop in loops)
-        self.inside = [loop.cycle >= 0 for loop in loops]
-        first = np.cumsum([0, *(loop.cycles for loop in loops)])
-        pairs = zip(loops, first, strict=False)
-        self.cycle = self.stacked([loop.cycle + n for loop, n in pairs]).astype(int)
-        total = int(first[-1])
-        self.blocks = min(MOST_BLOCKS, total)
-        self.ends = np.searchsorted(self.cycle, np.arange(total + 1))
-        cycles = np.searchsorted(
-            np.arange(total) * self.blocks // total, np.arange(self.blocks + 1)
-        )
-        self.own = [slice(*pair) for pair in itertools.pairwise(self.ends[cycles].tolist())]
-        self.force = self.stacked([loop.f for loop in loops])
-        self.f = self.centred(self.force)
+        cycles = [own.stop - own.start for loop in loops for own in loop.slices]
+        self.ends, self.cycle = np.cumsum([0, *cycles]), np.repeat(np.arange(len(cycles)), cycles)
+        self.blocks = min(MOST_BLOCKS, len(cycles))
+        first = self.ends[-(-np.arange(self.blocks + 1) * len(cycles) // self.blocks)]
+        self.own = [slice(*pair) for pair in itertools.pairwise(first.tolist())]
+        self.f = self.centred(self.stacked([loop.f for loop in loops]))
         self.X = max(float(loop.amplitudes.max()) for loop in loops)
         self.fastest = max(float(np.abs(loop.v).max()) for loop in loops)
         drifts = [
@@ -85,8 +80,8 @@ class Design:
 
     def stacked(self, of_loops: Sequence[Array]) -> Array:
         """Return the samples inside cycles of values of each loop, (…, n)."""
-        pairs = zip(of_loops, self.inside, strict=True)
-        return np.concatenate([np.asarray(of)[..., own] for of, own in pairs], axis=-1)
+        pairs = zip(of_loops, self.loops, strict=True)
+        return np.concatenate([of[..., loop.own] for of, loop in pairs], axis=-1)
 
     def centred(self, values: Array) -> Array:
         """Return values less their mean in each cycle, as an offset of each cycle of its own leaves them, (…, n)."""
@@ -94,9 +89,9 @@ class Design:
         means = np.add.reduceat(values, self.ends[:-1], axis=-1) / lengths
         return np.asarray(values - np.repeat(means, lengths, axis=-1))
 
-    def share(self, contact: Sliders) -> Array:
-        """Return the force of a contact over its F_k in all loops, (n,)."""
-        return self.stacked([share_of(contact, loop) for loop in self.loops])
+    def forces(self, contact: Sliders) -> Array:
+        """Return the force of a contact in all loops, N, (n,)."""
+        return self.stacked([force_of(contact, loop) for loop in self.loops])
 
     def by_block(self, left: Array) -> Array:
         """Return the sum of squares of each block, (blocks,)."""
@@ -106,9 +101,10 @@ class Design:
     def with_c(self) -> bool:
         """Whether the speed between reversals is known, and varies so much that c is told from friction."""
         speeds = []
-        for loop, own in zip(self.loops, self.inside, strict=True):
-            x = loop.x[own] - loop.x[own].mean()
-            speeds.append(np.abs(loop.v[own][np.abs(x) < _BETWEEN * loop.amplitudes.max()]))
+        for loop in self.loops:
+            x, v = loop.x[loop.own], loop.v[loop.own]
+            between = np.abs(x - x.mean()) < _BETWEEN * loop.amplitudes.max()
+            speeds.append(np.abs(v[between]))
         low, middle, high = np.percentile(np.concatenate(speeds), (25.0, 50.0, 75.0))
         return self.timed and bool(high - low > _STEADY * middle)
 

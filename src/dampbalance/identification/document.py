@@ -16,7 +16,7 @@ from ..records.coordinate import TRANSLATION, Coordinate
 from ..signals.thresholds import BUDGET
 from .answer import CONFIDENCE, REFERENCE, Answer
 from .law_comparison import LawComparison, LawTest
-from .sensitivities import FAULTS
+from .sensitivities import FAULTS, told
 
 if TYPE_CHECKING:
     from .result import Result
@@ -52,7 +52,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
         },
         "sensitivities_of": of,
         "sensitivities": {
-            name: {"fault": FAULTS[name].words}
+            name: {"fault": told(found, FAULTS[name].words)}
             | {f"{symbol}_percent": 100.0 * change for symbol, change in changes.items()}
             for name, changes in effects.items()
         },

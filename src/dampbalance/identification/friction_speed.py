@@ -8,21 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
 from ..findings.finding import Finding
-from ..fit.friction_speed import (
-    P_FALL,
-    P_HINT,
-    SpeedFit,
-    SteadySpeeds,
-    fit_speeds,
-    law,
-    with_scatter,
-)
+from ..fit.friction_speed import SpeedFit, SteadySpeeds, fit_speeds
 from ..law.terms import FRICTION
 from ..project.options import SpeedOptions, Stated, with_options
 from ..project.wording import listed
@@ -51,11 +43,10 @@ _PARTS = 6  # of the range of speeds, over whose averages a residual shows
 class SpeedBasis:
     """What the answer to steady speeds rests on.
 
-    data : of all tables.   fit : of the law that is taken.   p_fall : probability that scatter alone looks like a
+    fit : of the law that is taken to the rows of all tables.   p_fall : probability that scatter alone looks like a
     friction that falls with the speed.   rows : number of rows of each table.
     """
 
-    data: SteadySpeeds
     fit: SpeedFit
     p_fall: float
     rows: Mapping[str, int]
@@ -66,15 +57,14 @@ class SpeedBasis:
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return the law, and the rows with its forces."""
-        fit, data = self.fit, self.data
-        force = data.F + data.error * fit.problem.residuals(fit.point)
+        fit, data = self.fit, self.fit.problem
         return {
             "p_of_no_fall": self.p_fall,
             "speeds": {
                 "velocity_m_per_s": data.v,
                 "force_N": data.F,
-                "force_standard_error_N": data.error,
-                "force_of_the_law_N": force,
+                "force_standard_error_N": fit.noise,
+                "force_of_the_law_N": data.F + fit.left,
             },
             "records": [{"record": name, "rows": n} for name, n in self.rows.items()],
         }
@@ -94,7 +84,7 @@ class SpeedBasis:
         """Return the force over the speed with the law, and the friction over the size of the speed."""
         from . import speed_pictures as drawn  # slow to import
 
-        return {"speeds": Picture(drawn.speeds, (self.data, self.fit))}
+        return {"speeds": Picture(drawn.speeds, (self.fit,))}
 
 
 @with_options(SpeedOptions)
@@ -133,17 +123,20 @@ def identify_friction_speed(
     (1.9, 0.0955)
     """
     read, of = read_request("friction-speed", records, mapping, {"stiffness": stiffness, **options})
-    data, rows, still = _data(read)
-    fit, other, p = _taken(data)
-    if flipped := _gains(fit):
-        fit, other, p = _taken(replace(data, F=-data.F))
-    answer, speeds, words = _answer(fit, other), data.sizes, read[0].coordinate
+    data, rows, odd = _data(read)
+    fit, others, p = fit_speeds(data)
+    power = (fit.left + data.F - fit.value("T_0")) @ data.v
+    # power is given, where the offset cannot be separated by the damping, too
+    if power < 0.0 and (data.both_ways or fit.value("c") < 0.0):
+        odd.append(Finding("flipped", {"records": listed([*rows])}))
+        fit, others, p = fit_speeds(data._replace(F=-data.F))
+    answer, speeds, words = _answer(fit, others), data.sizes, read[0].coordinate
     found = Result(
-        basis=SpeedBasis(fit.problem.data, fit, p, rows),
+        basis=SpeedBasis(fit, p, rows),
         k=math.nan,
         sources=tuple(rows),
         estimates={answer.name: answer},
-        odd=tuple(_odd(read, data.stated, still, flipped)),
+        odd=tuple(odd),
         head=(
             f"{data.v.size} mean {words.noun('forces')} at steady speeds from {speeds[0]:.3g} to {speeds[-1]:.3g} "
             f"{words.unit('m/s')}, with 95 % intervals"
@@ -156,13 +149,13 @@ def identify_friction_speed(
     return with_stated_uncertainties(found)
 
 
-def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], int]:
-    """Return the rows of all tables, the number of each, and how many rows at rest are left out: there the friction has
-    no direction.
+def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], list[Finding]]:
+    """Return the rows of all tables, the number of each, and findings on them: rows at rest are left out, as there the
+    friction has no direction.
 
     Raises ValueError for a table without velocity or force, with fewer rows than numbers, or at rest.
     """
-    tables, rows, still = [], {}, 0
+    tables, rows, still, odd = [], {}, 0, list[Finding]()
     for record in records:
         if not {"velocity", "force"} <= {*record.quantities}:
             raise ValueError(
@@ -177,6 +170,7 @@ def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], int]
         table = np.array([v, F, error])[:, given & (v != 0.0)]
         tables.append(table)
         rows[record.name] = table.shape[1]
+        odd += [one.about(record.name) for one in record.warnings]
     v, F, error = np.hstack(tables)
     if v.size < _FEWEST:
         raise ValueError(
@@ -184,63 +178,44 @@ def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], int]
             f"{_FEWEST} at least"
         )
     stated = bool((error > 0.0).all())
-    return with_scatter(v, F, error if stated else None), rows, still
+    if any(_ERROR in record for record in records) and not stated:
+        odd.append(Finding("errors not used"))
+    if still:
+        odd.append(Finding("rows at rest", {"rows": still, "many": still > 1}))
+    return SteadySpeeds(v, F, error if stated else np.ones(v.size), stated), rows, odd
 
 
-def _taken(data: SteadySpeeds) -> tuple[SpeedFit, SpeedFit | None, float]:
-    """Return the fit to use, another one that the intervals are to include, and the probability that scatter alone
-    looks like a fall."""
-    line, fall, p = fit_speeds(data)
-    if fall and p < P_FALL:
-        return fall, None, p
-    return line, fall if p < P_HINT else None, p
-
-
-def _free(fit: SpeedFit) -> list[str]:
-    """Return the parameters that the data determine."""
-    return [one.name for one in fit.parameters if one.free]
-
-
-def _gains(fit: SpeedFit) -> bool:
-    """Return whether the law gives power at all speeds together, without its offset; where this cannot be separated,
-    the damping is to give some, too."""
-    data = fit.problem.data
-    power = (law(fit.point, data.v)[0] - fit.value("T_0")) @ data.v
-    return bool(power < 0.0 and (data.both_ways or fit.value("c") < 0.0))
-
-
-def _answer(fit: SpeedFit, other: SpeedFit | None) -> Answer:
-    """Return the answer of a fit.   other : a fit whose intervals are to be included."""
-    data, free, notes = fit.problem.data, _free(fit), list[Finding]()
-    parameters = {}
+def _answer(fit: SpeedFit, others: Sequence[SpeedFit]) -> Answer:
+    """Return the answer of a fit.   others : fits whose intervals are to be included."""
+    notes, parameters = list[Finding](), {}
     for symbol in (FRICTION, "c"):
         p = ParameterEstimate(fit.value(symbol), fit.error(symbol), Interval(*fit.interval(symbol)))
-        parameters[symbol] = p if other is None else p.holding(Interval(*other.interval(symbol)))
-    if not data.both_ways:
+        for other in others:
+            p = p.holding(Interval(*other.interval(symbol)))
+        parameters[symbol] = p
+    if not fit.problem.both_ways:
         sum_of = fit.value(FRICTION), fit.error(FRICTION)
         notes.append(Finding("one direction", {"sum": sum_of}))
         parameters[FRICTION] = UNKNOWN
-    if "c" not in free:
+    if not fit.has("c"):
         notes.append(Finding("one speed"))
         parameters["c"] = UNKNOWN
     for symbol, p in parameters.items():
         if p.interval.high < 0.0:
             notes.append(Finding("negative at steady speeds", {"value": ((symbol, p.value),)}))
             parameters[symbol] = UNKNOWN
-    if other is not None:
-        notes.append(Finding("fall hinted"))
+    if others:
+        notes.append(Finding("fall hinted", {"quadratic": fit.has("F_S")}))
     notes += _departure(fit)
-    left = data.error * fit.problem.residuals(fit.point)
-    merit: dict[str, Any] = {"residual_rms_N": float(np.sqrt(np.mean(left**2)))}
-    merit |= {"misfit": fit.misfit} if data.stated else {}
+    merit: dict[str, Any] = {"residual_rms_N": float(np.sqrt(np.mean(fit.left**2)))}
+    merit |= {"misfit": fit.misfit} if fit.problem.stated else {}
     for name, (key, unit) in _FURTHER.items():
-        if name in free:
+        if fit.has(name):
             merit |= {f"{key}_{unit}": fit.value(name)}
             merit |= {f"{key}_standard_error_{unit}": fit.error(name)}
     known = [s for s, p in parameters.items() if p is not UNKNOWN]
-    at = [fit.parameters.places[s] for s in known]
-    covariance = covariance_of(parameters, known, fit.covariance[np.ix_(at, at)])
-    name = "Stribeck" if "F_S" in free else "Coulomb"
+    covariance = covariance_of(parameters, known, fit.covariance_of(*known))
+    name = "Stribeck" if fit.has("F_S") else "Coulomb"
     return Answer(name, parameters, covariance, tuple(notes), merit=merit)
 
 
@@ -250,39 +225,27 @@ _FURTHER = {"T_0": ("offset", "N"), "F_S": ("F_S", "N"), "v_S": ("v_S", "m_per_s
 
 def _departure(fit: SpeedFit) -> Iterator[Finding]:
     """Yield a finding where the residual follows the speed: the force is another function of it."""
-    data = fit.problem.data
+    data, unknowns = fit.problem, sum(map(fit.has, ("F_k", "c", "F_S", "v_S")))
     order = np.argsort(np.abs(data.v), kind="stable")
-    left = (np.sign(data.v) * fit.problem.residuals(fit.point))[order]
+    left = (np.sign(data.v) * fit.left / fit.noise)[order]
     width = max(2, left.size // _PARTS)
-    p = chance_of_averages([left], [width], len({*_free(fit)} - {"T_0"}))
+    p = chance_of_averages([left], [width], unknowns)
     if p < _P_OTHER:
         parts = left[: left.size // width * width].reshape(-1, width).mean(axis=1)
-        size = float(np.abs(parts).max() * np.median(data.error))
+        size = float(np.abs(parts).max() * np.median(fit.noise))
         with np.errstate(divide="ignore"):
             of = np.abs([fit.value(FRICTION), fit.value("c") * data.sizes[-1]])
             effect = dict(zip((FRICTION, "c"), (size / of).tolist(), strict=True))
         yield Finding("other law of speed", {"size": size, "p": p}, effect)
 
 
-def _odd(records: Sequence[Record], stated: bool, still: int, flipped: bool) -> Iterator[Finding]:
-    """Yield findings on the records."""
-    for record in records:
-        yield from (one.about(record.name) for one in record.warnings)
-    if any(_ERROR in record for record in records) and not stated:
-        yield Finding("errors not used")
-    if still:
-        yield Finding("rows at rest", {"rows": still, "many": still > 1})
-    if flipped:
-        yield Finding("flipped", {"records": listed([record.name for record in records])})
-
-
 def _rig(fit: SpeedFit, p: float) -> Iterator[Finding]:
     """Yield findings on the other numbers of the law, and on what steady speeds do not show.   p : that scatter alone
     looks like a fall."""
     of = {name: (fit.value(name), fit.error(name)) for name in _FURTHER}
-    if "T_0" in _free(fit):
+    if fit.has("T_0"):
         yield Finding("offset", {"offset": of["T_0"]})
-    if "F_S" in _free(fit):
+    if fit.has("F_S"):
         yield Finding("Stribeck", {**of, "p": p})
     elif p < 1.0:
         yield Finding("no fall", {"p": p})

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.stats import t as student
 
@@ -44,18 +45,28 @@ def loops(
     axes.lines[0].set_label("measured")
     axes.lines[-1].set_label("backbone")
     lowest = place(figure, 22.0, 20.0, 150.0, 24.0) if fit else axes
-    for loop, model in zip(fit.design.loops if fit else (), fit.models if fit else (), strict=True):
-        typical = loop.cycle[loop.own] == np.argsort(loop.amplitudes)[loop.cycles // 2]
-        x, f = 1e3 * loop.x[loop.own], loop.f[loop.own]
-        axes.plot(x[typical], model[typical], color=SLIP)
-        lowest.plot(x[typical], (f - model)[typical], color=SLIP, linewidth=0.6)
     if fit:
+        first = 0
+        for loop in fit.design.loops:
+            own = loop.slices[np.argsort(loop.amplitudes)[loop.cycles // 2]]
+            x, f = 1e3 * loop.x[loop.own][own], loop.f[loop.own][own]
+            left = fit.left[first : first + loop.own.size][own]
+            first += loop.own.size
+            axes.plot(x, f - left, color=SLIP)
+            lowest.plot(x, left, color=SLIP, linewidth=0.6)
         axes.lines[-1].set_label("contact fitted")
         axes.tick_params(labelbottom=False)
         lowest.set(xlim=axes.get_xlim(), ylabel=f"residual ({of.unit('N')})")
     axes.set_ylabel(f"{of.noun('force')} ({of.unit('N')})")
     lowest.set_xlabel(f"{of.noun('displacement')} ({of.unit('mm')})")
     return explained(figure, [(axes, axes)], scale=1.0)
+
+
+def _by_record(axes: Axes, table: pd.DataFrame, x: str, y: str, size: float, look: str) -> None:
+    """Plot a column of the history over another one, each record in its colour.   size : of a unit of y."""
+    for (name, own), colour in zip(table.groupby("record", sort=False), itertools.cycle(_COLOURS)):
+        across = own[x] if x == "cycle" else 1e3 * own[x]
+        axes.plot(across, size * own[y], look, color=colour, ms=3.0, label=Path(str(name)).name)
 
 
 @styled()
@@ -73,16 +84,15 @@ def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Co
         (133.0, "equivalent_damping_ratio", 100.0, "$\\zeta_\\mathrm{eq}$ (%)"),
     ):
         axes = place(figure, left, 22.0, 42.0, 36.0)
+        _by_record(axes, table, "X_m", column, size, "o")
         for loop, colour in zip(loops, itertools.cycle(_COLOURS)):
-            own = table[table["record"] == loop.name]
-            name = Path(loop.name).name
-            axes.plot(1e3 * own["X_m"], size * own[column], "o", color=colour, ms=3.0, label=name)
-            if fit and column == "W_over_4X_N":
-                W, error = fit.loss(loop, X)
-                reach = float(student.ppf(0.975, fit.freedom)) * error
-                axes.plot(1e3 * X, W / (4.0 * X), color=colour)
-                band = (W - reach) / (4.0 * X), (W + reach) / (4.0 * X)
-                axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
+            if not fit or column != "W_over_4X_N":
+                break
+            W, error = fit.loss(loop, X)
+            reach = float(student.ppf(0.975, fit.freedom)) * error
+            axes.plot(1e3 * X, W / (4.0 * X), color=colour)
+            band = (W - reach) / (4.0 * X), (W + reach) / (4.0 * X)
+            axes.fill_between(1e3 * X, *band, color=colour, alpha=0.25, linewidth=0.0)
         axes.margins(0.06)
         axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
         axes.set(xlim=(0.0, None), ylim=(0.0, 1.08 * axes.dataLim.ymax))
@@ -100,11 +110,6 @@ def history(table: pd.DataFrame, of: Coordinate) -> Figure:
         (20.0, "K_z_N_per_m", 1e-3, f"stiffness, {of.label('K_z', 'N/mm')}"),
     ):
         axes = place(figure, 22.0, bottom, 150.0, 40.0)
-        records = table.groupby("record", sort=False)
-        for (name, own), colour in zip(records, itertools.cycle(_COLOURS)):
-            (line,) = axes.plot(
-                own["cycle"], size * own[column], "o-", color=colour, markersize=3.0
-            )
-            line.set_label(Path(str(name)).name)
+        _by_record(axes, table, "cycle", column, size, "o-")
         axes.set(xlabel="cycle", ylabel=label)
     return explained(figure, [(axes, axes)], scale=1.0)

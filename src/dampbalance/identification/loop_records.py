@@ -23,42 +23,35 @@ def read_loops(
 ) -> tuple[tuple[Loop, ...], tuple[float, float] | None, list[Finding]]:
     """Return the loops of records, the mean normal force with its standard uncertainty, N, where all of them have one,
     and what is odd about the records.   series : stiffness of the fixture, N/m.   skipped : cycles left out of each."""
-    loops, cuts = zip(*[_loop(record, series, skipped) for record in records], strict=True)
-    odd = [
-        words.about(record.name)
-        for record, cut in zip(records, cuts, strict=True)
-        for words in (*record.warnings, *cut)
-    ]
-    if any(loop.N is None for loop in loops):
-        return loops, None, odd
-    return (*_loaded(loops, records), odd)
-
-
-def _loaded(
-    loops: Sequence[Loop], records: Sequence[Record]
-) -> tuple[tuple[Loop, ...], tuple[float, float]]:
-    """Return the loops with their loads, as their normal forces make them, and the mean normal force with its standard
-    uncertainty: of the scatter between cycles of a record, and of the gain."""
+    loops, odd = list[Loop](), list[Finding]()
+    for record in records:
+        loop, cut = _loop(record, series, skipped)
+        loops.append(loop)
+        odd += [one.about(record.name) for one in (*record.warnings, *cut)]
     cycles = [loop.means(loop.N) for loop in loops if loop.N is not None]
+    if len(cycles) < len(loops):
+        return tuple(loops), None, odd
     N = float(np.concatenate(cycles).mean())
     if not all(of.mean() > 0.0 for of in cycles):
         raise ValueError(
             f"{listed([record.name for record in records])}: the normal force is zero: check its transducer, or leave "
             "the channel out"
         )
+    # the uncertainty is that of the scatter between cycles of a record, and of the gain
     off = np.concatenate([of / of.mean() for of in cycles])
     gain = max(correction_of(record, "normal_force").gain_error for record in records)
     scatter = float(off.std(ddof=1)) / math.sqrt(off.size) if off.size > 1 else 0.0
     error = N * math.hypot(scatter, gain)
-    loaded = (
-        replace(loop, load=float(of.mean()) / N) for loop, of in zip(loops, cycles, strict=True)
-    )
-    return tuple(loaded), (N, error)
+    pairs = zip(loops, cycles, strict=True)
+    return tuple(replace(loop, load=float(of.mean()) / N) for loop, of in pairs), (N, error), odd
 
 
 def _loop(record: Record, series: float | None, skipped: int) -> tuple[Loop, list[Finding]]:
     """Return the loop of a record, in the time in which all its channels are recorded, and a finding on time that is
     cut off.   series : stiffness of the fixture, N/m.   skipped : cycles left out at its start."""
+    from scipy.integrate import cumulative_trapezoid  # slow to import
+    from scipy.signal import detrend  # slow to import
+
     channels = record.corrected()
     moving = [q for q in ("displacement", "velocity")[: 1 + record.timed] if q in record.quantities]
     if "force" not in record.quantities or not moving:
@@ -82,8 +75,7 @@ def _loop(record: Record, series: float | None, skipped: int) -> tuple[Loop, lis
     t, x = motion.t[own], motion.values[own]
     f = np.interp(t, force.t, force.values)
     if moving[0] == "velocity":
-        x = np.append(0.0, np.cumsum(0.5 * (x[1:] + x[:-1]) * np.diff(t)))
-        x = x - np.polyval(np.polyfit(t, x, 1), t)
+        x = detrend(cumulative_trapezoid(x, t, initial=0))
     if series:
         # the deflection of the fixture has the sign of the force that the contact makes
         way = math.copysign(1.0, float(np.trapezoid(f - f.mean(), x)))

@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
-from ..fit.loop_design import MOST_BLOCKS, Design, share_of
+from ..fit.loop_design import MOST_BLOCKS, Design, force_of, slope_of
 from ..fit.loops import (
     SLIDERS,
     WITHIN,
@@ -27,7 +27,6 @@ from ..fit.loops import (
     fit_gradual,
     fit_slider,
     predicts_better,
-    slips,
     with_late_motion,
 )
 from ..law.terms import FRICTION
@@ -64,7 +63,6 @@ if TYPE_CHECKING:
 _FALLS = 0.005
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
-_WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 _NO_SLIDER = 0.2  # of F_k or of the loss, from which on a residual bounds no number of the fit
@@ -127,30 +125,21 @@ class LoopBasis:
 
     def levels(self, found: Result[Any]) -> list[Level]:
         """Return the mean cycle of each amplitude in each record."""
-        levels, c = [], loop_contact(found)["c"]
+        levels, c, fit = [], loop_contact(found)["c"], self.fits.get(found.answer.name)
         for loop in self.loops:
-            friction = np.full(loop.cycles, math.nan)
-            if fit := self.fits.get(found.answer.name):
-                _, b, without_quadratic = row_of(loop, fit)
-                friction = without_quadratic - c * b
-            samples = np.bincount(loop.cycle[loop.own])
+            _, b, W = row_of(loop, fit) if fit else (0.0, 0.0, math.nan * loop.lost)
+            X = np.where(loop.closed, loop.amplitudes, math.nan)
+            cycles, samples = np.array([X, loop.lost, W - c * b]), np.bincount(loop.cycle[loop.own])
             for own in levels_of(loop.amplitudes):
                 if own.size > 1 and loop.first == 1:  # the first cycle begins on the virgin curve
                     own = own[own > 0]
                 duration = float(np.median(samples[own]) * (loop.t[1] - loop.t[0]))
                 omega = 2.0 * math.pi / duration if loop.timed else math.nan
-                X, W, of_friction = (
-                    float(of[own].mean())
-                    for of in (
-                        np.where(loop.closed, loop.amplitudes, math.nan),
-                        loop.lost,
-                        friction,
-                    )
-                )
+                X, W, friction = cycles[:, own].mean(axis=1).tolist()
                 more = measures(X, W, loop.peaks[own].mean(axis=0))
                 zeta = more["equivalent_damping_ratio"]
                 more |= {"cycles": own.size, "loss_factor": 2.0 * zeta, "Q": 0.5 / zeta}
-                levels.append(Level(loop.name, X, omega, W, of_friction, more))
+                levels.append(Level(loop.name, X, omega, W, friction, more))
         return levels
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
@@ -162,7 +151,7 @@ class LoopBasis:
             fit = with_late_motion(fit, fault.late)
         scale = dict.fromkeys(("c", "K_z"), (1.0 + fault.drive) / (1.0 + fault.response))
         scale[FRICTION] = 1.0 + fault.drive
-        return {s: fit.values[s] * by for s, by in scale.items() if s in fit.values}
+        return {s: fit.value(s) * by for s, by in scale.items() if s in fit.parameters}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return force over displacement with the model and the backbone, loss and stiffness against the amplitude,
@@ -241,11 +230,8 @@ def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
     if found.basis.normal_force is None:
         return math.nan, Interval(math.nan, math.nan)
     (N, error), F = found.basis.normal_force, found.answer.parameters[FRICTION]
-    mu, of_N = F.value / N, F.value / N * error / N
-    scaled = ParameterEstimate(
-        mu, F.standard_error / N, Interval(F.interval.low / N, F.interval.high / N)
-    )
-    return mu, scaled.wider(of_N).interval
+    low, high = F.wider(F.value * error / N).interval
+    return F.value / N, Interval(low / N, high / N)
 
 
 def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
@@ -286,7 +272,7 @@ def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
         if fit:
             a, _, W = row_of(loop, fit)
             friction = (W - c * np.nan_to_num(b)) / np.where(a > 0.0, a / loop.load, np.nan)
-            stiffness = fit.values["K_z"] * _stiffer(fit, loop, float(fit.drifts[number]))
+            stiffness = fit.value("K_z") * _stiffer(fit, loop, number)
             for of in (friction, stiffness):
                 of[: loop.cycles - loop.settled().cycles] = math.nan
             columns |= {"F_k_N": friction, "K_z_N_per_m": stiffness}
@@ -298,14 +284,13 @@ def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
 
 
 @one_thread
-def _stiffer(fit: LoopFit, loop: Loop, drift: float) -> Array:
-    """Return K_z of each cycle over that of all.   drift : of the force, N/s."""
-    share = share_of(fit.contact, loop)
-    wider = share_of(replace(fit.contact, r=fit.contact.r * (1.0 + _WIDER)), loop)
-    A = np.array([share, (wider - share) / _WIDER, np.ones(share.size)])[:, loop.own].T
-    left = fit.residual(loop, drift)[loop.own]
-    moved = [np.linalg.lstsq(A[own], left[own])[0] for own in loop.slices]
-    return np.array([1.0 + (F - width) / fit.contact.F_k for F, width, _ in moved])
+def _stiffer(fit: LoopFit, loop: Loop, number: int) -> Array:
+    """Return K_z of each cycle over that of all.   number : of the loop."""
+    force = force_of(fit.contact, loop)
+    # all of the force grows with K_z, once the change of F_k at the same stiffness is apart
+    A = np.array([force, slope_of(fit.contact, loop), np.ones(force.size)])[:, loop.own].T
+    left = fit.residual(loop, number)[loop.own]
+    return np.array([1.0 + np.linalg.lstsq(A[own], left[own])[0][0] for own in loop.slices])
 
 
 @with_options(LoopOptions)
@@ -401,10 +386,9 @@ def _fits(loops: Sequence[Loop], backlash: bool) -> dict[str, LoopFit]:
 def _unfitted(loops: Sequence[Loop]) -> Answer:
     """Return an answer without numbers, as too few cycles are recorded; its rows are those of a rigid contact."""
     parameters = dict.fromkeys((FRICTION, "c", "K_z"), UNKNOWN)
-    cycles = sum(loop.cycles for loop in loops)
-    numbers = {"cycles": cycles, "many": cycles > 1, "least": FEWEST_CYCLES + len(loops)}
-    note = Finding("few loops", numbers)
     X, W = (np.concatenate([getattr(of, n) for of in loops]) for n in ("amplitudes", "lost"))
+    numbers = {"cycles": W.size, "many": W.size > 1, "least": FEWEST_CYCLES + len(loops)}
+    note = Finding("few loops", numbers)
     names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
     balance = Balance(Rows({FRICTION: 4.0 * X}, W), np.full(W.size, math.nan), names)
     return Answer("one slider", parameters, covariance_of(parameters), (note,), balance)
@@ -413,8 +397,9 @@ def _unfitted(loops: Sequence[Loop]) -> Answer:
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
     quadratic damper takes."""
-    quadratic = fit.linear.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
-    return loop.by_cycle(share_of(fit.contact, loop)), loop.by_cycle(loop.v), loop.lost - quadratic
+    quadratic = fit.parameters.by_key.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
+    a = loop.by_cycle(force_of(fit.contact, loop)) / (fit.contact.F_k or 1.0)
+    return a, loop.by_cycle(loop.v), loop.lost - quadratic
 
 
 def _answer(
@@ -436,20 +421,18 @@ def _answer(
             fit_gradual(design, SLIDERS // 2),
             *(fit_gradual(design, within=w) for w in fewer),
         ]
-    reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom))
 
     def estimate(symbol: str) -> ParameterEstimate:
-        value, error = fit.values.get(symbol, math.nan), fit.errors.get(symbol, math.nan)
-        determined = slips(fit) and (error > 0.0 if symbol == "c" else value > 0.0)
-        half = reach * error
-        if not determined or (symbol == "c" and value + half <= 0.0):
+        if not fit.slips or symbol not in fit.parameters:
             return UNKNOWN
-        low, high = value - half, value + half
+        value, error, (low, high) = fit.value(symbol), fit.error(symbol), fit.interval(symbol)
+        if not (error > 0.0 and high > 0.0 if symbol == "c" else value > 0.0):
+            return UNKNOWN
         if symbol == "K_z" and low <= 0.0:  # of 1/K_z, which rather has a normal distribution
-            low, high = value / (1.0 + half / value), math.inf
+            low, high = value**2 / high, math.inf
         known = ParameterEstimate(value, error, Interval(low, high))
         compared = [*others, slider] if symbol == "c" and others else others
-        off = max((abs(other.values[symbol] - value) for other in compared), default=0.0)
+        off = max((abs(other.value(symbol) - value) for other in compared), default=0.0)
         # other choices bound it, as a rectangular distribution (GUM 4.3.7); further records have other frictions
         known = known.wider(off / math.sqrt(3.0))
         if scatter and symbol == FRICTION:
@@ -459,9 +442,9 @@ def _answer(
         return known
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
-    c, c_error = (of.get("c", 0.0) for of in (fit.values, fit.errors))
+    c, c_error = (fit.value("c"), fit.error("c")) if "c" in fit.parameters else (0.0, 0.0)
     shape = [*_other_shape(fit)]
-    if not slips(fit):
+    if not fit.slips:
         shape = shape or [Finding("loops stick")]
     elif not design.timed:
         # an ellipse of one size is that of a damper as well as of a contact that yields gradually
@@ -484,13 +467,13 @@ def _answer(
     balance = Balance(Rows(terms, W), np.concatenate(scatters), names)
     merit = {
         "residual": fit.rms / float(np.std(design.f)),
-        "k_N_per_m": fit.values["k"],
-        "k_standard_error_N_per_m": fit.errors["k"],
+        "k_N_per_m": fit.value("k"),
+        "k_standard_error_N_per_m": fit.error("k"),
     }
-    if "g" in fit.values:
-        merit |= {"gap_m": 2.0 * fit.values["g"], "gap_standard_error_m": 2.0 * fit.errors["g"]}
+    if "g" in fit.parameters:
+        merit |= {"gap_m": 2.0 * fit.value("g"), "gap_standard_error_m": 2.0 * fit.error("g")}
     symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
-    covariance = covariance_of(parameters, symbols, fit.covariance_of_values(*symbols))
+    covariance = covariance_of(parameters, symbols, fit.covariance_of(*symbols))
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
@@ -498,7 +481,7 @@ def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
     """Yield findings on the sign of the force, and on what no contact of the model explains."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
         yield Finding("flipped", {"records": listed(flipped)})
-    if not (fit and slips(fit)):
+    if not (fit and fit.slips):
         return
     many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
     fall, shift = fall_with_speed(fit) if many and fit.design.timed else (0.0, 0.0)
@@ -510,8 +493,8 @@ def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
 def _other_shape(fit: LoopFit) -> Iterator[Finding]:
     """Yield a finding where the loops are none of the contact: by the residual, of F_k or else of the force, and by the
     loss."""
-    stuck = not slips(fit)
-    share = fit.beyond_noise / (float(np.std(fit.design.f)) if stuck else fit.values[FRICTION])
+    stuck = not fit.slips
+    share = fit.beyond_noise / (float(np.std(fit.design.f)) if stuck else fit.value(FRICTION))
     loss = 0.0 if stuck else fit.wrong_loss
     if (off := max(share, loss)) > USELESS:
         numbers = {"share": share, "loss": loss, "wrong": loss > USELESS, "stuck": stuck}
@@ -529,21 +512,20 @@ def _rig(
     fit: LoopFit, loops: Sequence[Loop], normal: tuple[float, float] | None
 ) -> Iterator[Finding]:
     """Yield findings on fit, loads, spring, gap, and history of the cycles.   normal : mean normal force, N."""
-    of, errors = fit.values, fit.errors
     settled = [loop.settled() for loop in loops]
     fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, settled))
     if fitted < total:
         yield Finding("excerpt", {"fitted": fitted, "all": total, "runs": MOST_BLOCKS})
     if np.ptp([loop.load for loop in loops]) > _DIFFER:
-        forces = tuple((of[FRICTION] * one.load, one.name) for one in loops)
+        forces = tuple((fit.value(FRICTION) * one.load, one.name) for one in loops)
         N = normal[0] if normal and loops[0].N is not None else 0.0
         yield Finding("friction of each", {"forces": forces, "N": N})
-    measured = {s: (of[s], errors[s]) for s in of if s in errors}
+    measured = {key: (fit.value(key), fit.error(key)) for key in fit.parameters.keys}
     for symbol, code in _SAID_OF.items():
-        if symbol in of:
+        if symbol in measured:
             yield Finding(code, measured)
-    if "g" in of:
-        yield Finding("backlash", {"gap": (2.0 * of["g"], 2.0 * errors["g"])})
+    if "g" in measured:
+        yield Finding("backlash", {"gap": (2.0 * fit.value("g"), 2.0 * fit.error("g"))})
     for loop in loops:
         loop = loop.settled()
         W, cycles = loop.lost, np.arange(loop.cycles)

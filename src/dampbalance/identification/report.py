@@ -58,7 +58,7 @@ from .screen import (
     value_of,
     worded_first,
 )
-from .sensitivities import FAULTS
+from .sensitivities import FAULTS, told
 
 if TYPE_CHECKING:
     from .result import Result
@@ -163,7 +163,7 @@ def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]])
             change, half = abs(shifts.get(symbol, math.nan)), p.within
             if half > 0.0 and math.isfinite(half) and math.isfinite(change):
                 off = f"{found.coordinate.symbol(symbol)} is off by {larger_by(change)}"
-                words = f"{FAULTS[fault].words}, {off}, but its interval allows {_part(p)} only"
+                words = f"{told(found, FAULTS[fault].words)}, {off}, but its interval allows {_part(p)} only"
                 felt.append((f"check first: if {words}", change / half))
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
 
@@ -247,6 +247,7 @@ _TEMPLATES.globals |= {
     "first_check": _first_check,
     "limiting": limiting,
     "measured_table": measured_table,
+    "told": told,
     "measured_caption": measured_caption,
     "named": named,
     "rig": _rig,

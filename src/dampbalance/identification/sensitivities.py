@@ -52,6 +52,18 @@ FAULTS: Mapping[str, Fault] = {
 }
 
 
+_ALONE = "loops", "friction-speed"
+"""Kinds of records of a contact without an oscillator."""
+
+
+def told(found: Result[Any], words: str) -> str:
+    """Return words on a fault in those of the records: of a contact alone, the drive is its force and the response its
+    motion."""
+    if found.basis.kind in _ALONE:
+        words = words.replace("drive", found.coordinate.noun("force")).replace("response", "motion")
+    return words
+
+
 @one_thread
 def effects_of(
     found: Result[Any], faults: Mapping[str, Fault], name: str

@@ -25,7 +25,7 @@ from ..records.channel import ACCOMPANYING, EXCITATIONS
 from .answer import REFERENCE, Answer
 from .loading import correction_of
 from .result import B, Result
-from .sensitivities import FAULTS, Fault
+from .sensitivities import FAULTS, Fault, told
 
 _FELT = 1e-3  # of an effect of a part of the same size: what is said of less is that it is nothing
 _UNTESTED = {
@@ -122,7 +122,7 @@ def _conditional(
             for symbol, p in answer.parameters.items()
             if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 0.01 * _FELT
         )
-        effects += [(what, parts)] if parts else []
+        effects += [(told(found, what), parts)] if parts else []
     if not effects:
         return None, None
     known = found.options.get("stiffness_N_per_m")

@@ -207,13 +207,10 @@ class Loop:
         ends = np.searchsorted(self.cycle[self.own], np.arange(self.cycles + 1)).tolist()
         return [slice(*pair) for pair in itertools.pairwise(ends)]
 
-    def _reduced(self, by: np.ufunc, values: Array) -> Array:
-        """Return values of each cycle taken together, (cycles,)."""
-        return np.asarray(by.reduceat(values[self.own], [own.start for own in self.slices]))
-
     def means(self, values: Array) -> Array:
         """Return the mean of values in each cycle, (cycles,)."""
-        return self._reduced(np.add, values) / [own.stop - own.start for own in self.slices]
+        cycle = self.cycle[self.own]
+        return np.asarray(np.bincount(cycle, values[self.own]) / np.bincount(cycle))
 
     def by_cycle(self, values: Array) -> Array:
         """Return ∮ values dx of each cycle, closed by a straight line from its last sample to its first, (cycles,)."""
@@ -231,9 +228,9 @@ class Loop:
     def peaks(self) -> Array:
         """Largest and smallest displacement of each cycle, m, and the force on the way to each, N, (cycles, 4)."""
         peaks = []
-        for own, X in zip(self.slices, self.amplitudes, strict=True):
+        for own in self.slices:
             x, f = self.x[self.own[own]], self.f[self.own[own]]
-            ends = [int(x.argmax()), int(x.argmin())]
+            ends, X = [int(x.argmax()), int(x.argmin())], 0.5 * np.ptp(x)
             near = [np.abs(x[: end + 1] - x[end]) <= _NEAR_PEAK * X for end in ends]
             peaks.append([*x[ends], *(f[: of.size][of].mean() for of in near)])
         return np.array(peaks)
@@ -241,14 +238,14 @@ class Loop:
     @cached_property
     def amplitudes(self) -> Array:
         """X of each cycle, m."""
-        return 0.5 * (self._reduced(np.maximum, self.x) - self._reduced(np.minimum, self.x))
+        return np.asarray(0.5 * (self.peaks[:, 0] - self.peaks[:, 1]))
 
     @cached_property
     def closed(self) -> Mask:
         """Whether each cycle ends within an amplitude of where it began: else the mean drifts, and X is none."""
         x = self.x[self.own]
-        ends = [(x[own.start], x[own.stop - 1]) for own in self.slices]
-        return np.abs(np.diff(ends)[:, 0]) <= self.amplitudes
+        travel = [x[own.stop - 1] - x[own.start] for own in self.slices]
+        return np.asarray(np.abs(travel) <= self.amplitudes)
 
 
 def levels_of(X: Array) -> list[Integers]:
