@@ -76,7 +76,7 @@ def test_the_length_of_the_line_and_its_errors(shared, drawn):
 
 
 def test_without_an_oscillator_there_is_no_line(readings):
-    unfitted = with_common_fit(readings, CommonFit(None, False, None))
+    unfitted = with_common_fit(readings, CommonFit(None))
     line = microstick(unfitted)
     assert not line.resolved
     assert math.isnan(line.length)

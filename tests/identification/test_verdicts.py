@@ -240,13 +240,13 @@ def test_an_onset_that_is_not_known_moves_F_k_by_half_of_the_stick():
         for name, share, range_ in (("a", 0.1, 2.0), ("b", 0.1, 4.0))
     ]
     fit = SimpleNamespace(adequate=False)
-    (note,) = notes_on(answer, readings, CommonFit(fit, linear=False))
+    (note,) = notes_on(answer, readings, CommonFit(fit))
     assert note.effect["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
 
 
 def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
     negative = with_parameters(F_k=parameter(-0.1, 0.2), c=parameter(-6.0, 1.0))
-    linear = CommonFit(None, True, None)
+    linear = CommonFit(None)
     for readings, clipped in (
         ([read("a", force=0.0)], ""),
         (
@@ -293,7 +293,7 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
     warnings = agreement(
         [],
         Microstick(1e-5, 1e-7, True, 2e-5),
-        CommonFit(fit, False),
+        CommonFit(fit),
         with_parameters(c=off),
     )
     assert any(one.code == "contradicts" for one in warnings) == apart

@@ -33,7 +33,7 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
     alone = common.fundamentals
     holds = alone is not None and special.chdtrc(alone.freedom, alone.chi_square) > P_CAUSE
     found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
-    explained = common.linear or (common.fit is not None and common.fit.adequate)
+    explained = common.stuck is not None or common.waveforms_hold
     found = [one for one in found if not (explained and one.numbers.get("rare"))]
     harmless = {"base": "base within noise"} if holds else {}
     return [replace(one, code=harmless.get(one.code, one.code)) for one in found]
@@ -52,10 +52,11 @@ def agreement(
         yield Finding("only sticks", {"records": still})
     if common.waveforms_hold and not microstick.resolved:
         yield Finding("unresolved", effect={"K_z": math.inf})
+    if {"c", "c_r"} <= {*direct.coefficients}:
+        by = 1e-6 * readings[0].steady.k
+        yield Finding("skewed", {"by": by}, {"c": math.inf, "c_r": math.inf})
     fit = common.fit
-    if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
-        yield Finding("skewed", {"by": 1e-6 * fit.k}, {"c": math.inf, "c_r": math.inf})
-    if fit is not None and common.waveforms_hold and not common.in_rows:
+    if fit is not None and fit.adequate and not common.in_rows:
         yield from contradiction(direct, fit)
     yield from alike(direct)
 

@@ -182,7 +182,7 @@ class ForcedBasis:
     @property
     def fit(self) -> WaveformFit | None:
         """The fit of the waveforms, where they show friction."""
-        return None if self.common.linear else self.common.fit
+        return self.common.fit
 
 
 def friction_loops(
@@ -375,7 +375,7 @@ def identify_readings(
     estimates[DIRECT] = replace(direct, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, rig = common.fit, list[Finding]()
-    if fit is not None and not common.linear:
+    if fit is not None:
         rig = implied(common.closest, mass if common.mass_fits else None)
     if common.delay is not None and not (common.explained or common.hinted):
         rig.append(Finding("timing", {"late": common.delay}))
