@@ -53,7 +53,7 @@ from .decay_laws import (
     with_effects,
 )
 from .diagnosis import on_mass
-from .half_cycles import A, B, DecayRows, W, rows_of
+from .half_cycles import DecayRows, rows_of
 from .level import Column
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
@@ -150,7 +150,7 @@ class DecayBasis:
         from . import pictures as drawn  # slow to import
 
         pictures = {"decays": Picture(drawn.decays, (self.fit, self.half_cycles.turns))}
-        if len(self.half_cycles.columns):
+        if self.half_cycles.decay.size:
             pictures["balance"] = Picture(drawn.balance, (found.approaches, False))
         if self.damping:
             pictures["damping"] = Picture(drawn.damping, (self.damping,))
@@ -404,12 +404,7 @@ def _solved(
     reference = answer_of_fit(fit, TERMS, fit_notes)
     numbers = (rows.decay + 1).tolist()
     answer = as_answer(
-        *(
-            BALANCE,
-            solution,
-            Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
-        ),
-        tuple(f"decay {i}" for i in numbers),
+        *(BALANCE, solution, rows.rows, tuple(f"decay {i}" for i in numbers)),
         {**dict.fromkeys(TERMS, UNKNOWN), "K_z": reference.K_z},
         {"decay": numbers},
         notes=tuple(notes),
@@ -460,10 +455,10 @@ def _scatter_of(fit: DecayFit) -> list[Finding]:
 
 def balanced(rows: DecayRows) -> Balanced:
     """Return F_k and c of the rows, F_k as the mean where decays have friction forces of their own."""
-    work, a, b = rows.columns[:, [W, A, B]].T
+    a, b = rows.rows.terms.values()
     forces = np.unique(rows.friction)
     terms = {str(one): np.where(rows.friction == one, a, 0.0) for one in forces} or {"0": a}
-    of_rows = Rows({**terms, "c": b}, work)
+    of_rows = Rows({**terms, "c": b}, rows.rows.W)
     each = solved(of_rows, lambda _: [rows.covariance], [math.inf], free=rows.free)
     if forces.size == 1 or not each.estimates:
         return replace(each, estimates=dict(zip(TERMS, each.estimates.values(), strict=False)))

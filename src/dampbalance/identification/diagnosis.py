@@ -4,7 +4,7 @@ sticks, records that no oscillator explains."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -48,8 +48,8 @@ def agreement(
     """Yield findings on all records together: what the common fit shows, which levels fail, where the balance by direct
     integration contradicts."""
     yield from _on_the_oscillator(readings, common)
-    if still := _numbered(reading.slips is False for reading in readings):
-        yield Finding("only sticks", {"records": still})
+    if still := [str(i) for i, of in enumerate(readings, 1) if of.slips is False]:
+        yield Finding("only sticks", {"records": ", ".join(still)})
     if common.waveforms_hold and not microstick.resolved:
         yield Finding("unresolved", effect={"K_z": math.inf})
     if {"c", "c_r"} <= {*direct.coefficients}:
@@ -59,11 +59,6 @@ def agreement(
     if fit is not None and fit.adequate and not common.in_rows:
         yield from contradiction(direct, fit)
     yield from alike(direct)
-
-
-def _numbered(which: Iterable[bool]) -> str:
-    """Return numbers of the records for which something holds: "1, 3"."""
-    return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
 def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
@@ -129,20 +124,15 @@ def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:
 
     mass : kg, as given.   by_force : whether a load cell measures what drives, and feels what is between.
     """
-    numbers = {
-        "masses": (fit.m, mass),
-        "fixture": by_force and 0.5 < mass / fit.m < 1.0,
-        "meant": tuple(_mistaken_unit(mass / fit.m, fit.k, mass)),
-    }
-    return Finding("mass", numbers, {"": abs(mass / fit.m - 1.0)})
-
-
-def _mistaken_unit(ratio: float, k: float, mass: float) -> Iterator[tuple[str, float, str]]:
-    """Yield symbol, number and unit that may be meant, where the ratio of the mass given to that of the records is that
-    of two units."""
-    for (symbol, unit), factor in _MISTAKEN.items():
-        if abs(ratio / factor - 1.0) < _CLOSE:
-            yield symbol, k if symbol == "k" else mass, unit
+    ratio = mass / fit.m
+    meant = tuple(
+        (symbol, fit.k if symbol == "k" else mass, unit)
+        for (symbol, unit), factor in _MISTAKEN.items()
+        if abs(ratio / factor - 1.0) < _CLOSE
+    )
+    fixture = by_force and 0.5 < ratio < 1.0
+    numbers = {"masses": (fit.m, mass), "fixture": fixture, "meant": meant}
+    return Finding("mass", numbers, {"": abs(ratio - 1.0)})
 
 
 _CLOSE = 0.03  # relative: what a gain and a mass that nobody weighed leave between two units
