@@ -94,7 +94,7 @@ def test_the_records_share_what_no_single_one_resolves():
     fits = [fit_records([reading.lines], PAPER.k) for reading in single]
     assert any(fit.rho < NORMAL_95 * fit.error("rho") for fit in fits)
     found = identified(single)
-    assert found.basis.microstick.resolved
+    assert found.document()["microstick"]["resolved"]
     assert holds(found.estimates["direct"], symbols=("K_z", "F_k"))
     # one length for all: X + X_s is freed of the square of the error of ρ, L itself is not
     lengths = found.basis.features.X + found.basis.features.X_s

@@ -23,7 +23,6 @@ from dampbalance.identification.answer import (
     doubted,
 )
 from dampbalance.identification.balance_check import forbidden, notes_on
-from dampbalance.identification.balance_rows import Microstick
 from dampbalance.identification.diagnosis import agreement, on_records
 from dampbalance.identification.oscillator import CommonFit
 from dampbalance.identification.result import Result
@@ -288,11 +287,11 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         law=SimpleNamespace(unknowns=("F_k", "c")),
         value={"F_k": 1.28, "c": 90.0}.get,
         error={"F_k": 0.004, "c": 0.3}.get,
+        interval=lambda _: (1e-3, 2e-3),
     )
     off = ParameterEstimate(90.0 + 0.4 * sizes, 0.5, Interval(89.0, 93.0))
     warnings = agreement(
         [],
-        Microstick(1e-5, 1e-7, True, 2e-5),
         CommonFit(fit),
         with_parameters(c=off),
     )
@@ -307,7 +306,7 @@ def test_a_distorted_drive_doubts_fundamentals_that_their_noise_does_not_explain
     steady = SimpleNamespace(source="a", warnings=())
     reading = SimpleNamespace(steady=steady, warnings=(distorted, NOTED))
     alone = SimpleNamespace(chi_square=chi_square, freedom=3)
-    said, noted = on_records([reading], SimpleNamespace(fundamentals=alone, linear=False, fit=None))
+    said, noted = on_records([reading], CommonFit(None, fundamentals=alone))
     assert said.spares(FUNDAMENTALS) == spared
     assert said.spares("direct")
     assert said.spares(REFERENCE)

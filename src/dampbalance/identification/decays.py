@@ -66,8 +66,6 @@ if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 
-# Of the motion, that a contact, a spring or a sensor which is not linear makes.
-_HARMONICS = (1, 2, 3, 5)
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
 

@@ -20,7 +20,6 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import P_CAUSE, SHOWS
 from .answer import Answer
 from .balance_check import alike, contradiction
-from .balance_rows import Microstick
 from .causes import departure, doubts_of, hint_of, likeliest, shown_by
 from .oscillator import CommonFit
 
@@ -41,7 +40,6 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
 
 def agreement(
     readings: Sequence[Reading],
-    microstick: Microstick,
     common: CommonFit,
     direct: Answer,
 ) -> Iterator[Finding]:
@@ -50,13 +48,13 @@ def agreement(
     yield from _on_the_oscillator(readings, common)
     if still := [str(i) for i, of in enumerate(readings, 1) if of.slips is False]:
         yield Finding("only sticks", {"records": ", ".join(still)})
-    if common.waveforms_hold and not microstick.resolved:
+    fit = common.fit if common.waveforms_hold else None
+    if fit is not None and not fit.interval("rho")[0] > 0.0:
         yield Finding("unresolved", effect={"K_z": math.inf})
     if {"c", "c_r"} <= {*direct.coefficients}:
         by = 1e-6 * readings[0].steady.k
         yield Finding("skewed", {"by": by}, {"c": math.inf, "c_r": math.inf})
-    fit = common.fit
-    if fit is not None and fit.adequate and not common.in_rows:
+    if fit is not None and not common.in_rows:
         yield from contradiction(direct, fit)
     yield from alike(direct)
 
