@@ -186,20 +186,18 @@ def identify_decays(
     >>> {symbol: round(found.values[symbol], 1) for symbol in ("F_k", "c")}
     {'F_k': 0.5, 'c': 1.0}
     """
-    given = {"stiffness": stiffness, **options}
+    given, read = {"stiffness": stiffness, **options}, tuple[Record, ...]()
     try:
         read, asked_for = read_request("ring-down", records, mapping, given)
-    except ValueError as error:
+        found = _of_records(read, asked_for)
+    except ValueError as error:  # the swings show the damping without a fit
         if stiffness is None and given.get("mass") is None:
             read = as_records(records, mapping=mapping, kind="ring-down")
-            raise _with_damping(error, read, _damping_of(read)) from None
+        if damping := _damping_of(read):
+            levels, of = [one.document() for one in damping], read[0].coordinate
+            error.add_note("\n".join(measured_lines(DecayBasis, levels, of)))
         raise
-    damping = _damping_of(read)
-    try:
-        found = _of_records(read, asked_for)
-    except ValueError as error:
-        raise _with_damping(error, read, damping) from None
-    return replace(found, basis=replace(found.basis, damping=damping))
+    return replace(found, basis=replace(found.basis, damping=_damping_of(read)))
 
 
 @one_thread
@@ -212,16 +210,6 @@ def _damping_of(records: Sequence[Record]) -> list[SwingDamping]:
             lead = sharpest(signals)
             found.append(damping_of(lead, bursts_of(lead)))
     return max(found, key=lambda rows: rows[0].X if rows else 0.0, default=[])
-
-
-def _with_damping(
-    error: ValueError, records: Sequence[Record], damping: Sequence[SwingDamping]
-) -> ValueError:
-    """Return an error with the table of the damping as a note: the swings show it without a fit."""
-    if damping:
-        levels = [one.document() for one in damping]
-        error.add_note("\n".join(measured_lines(DecayBasis, levels, records[0].coordinate)))
-    return error
 
 
 def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Result[DecayBasis]:

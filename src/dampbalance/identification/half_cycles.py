@@ -101,16 +101,14 @@ def rows_of(fit: DecayFit) -> DecayRows:
     nothing else."""
     forces = [fit.value(one.key("F_k")) for one in fit.decays]
     numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
-    columns, decays, swings, turns = [np.empty((0, 3))], [], [], []
+    columns, decays, halves = [np.empty((0, 3))], [], []
     for i, (one, F_k) in enumerate(zip(_without_gaps(fit), forces, strict=True)):
         stick = 2.0 * F_k / fit.K_z
         moves = one.cut(one.start, fit.at_rest(i))  # from there on it rings on the contact
         channels = [swings_of(signal, one.period, _SLIPS * stick) for signal in moves.signals]
         read = max(channels, key=lambda of: (of.D.size, -of.errors.sum()))
-        swings.append((read, stick))
-        turns.append((read.turns, read.errors))
-        differ, pair, scale = _pairs(read.D)
-        S, _ = _weights(read.D, fit)
+        (differ, pair, scale), (S, slope) = _pairs(read.D), _weights(read.D, fit)
+        halves.append((read, stick, differ, pair, scale, S, slope))
         parts = 0.5 * fit.k * differ @ read.D, pair @ ((read.D - stick) / S), pair @ (read.b / S)
         columns.append(scale * np.stack(parts, axis=1))
         decays += [i] * len(scale)
@@ -120,14 +118,13 @@ def rows_of(fit: DecayFit) -> DecayRows:
     travels = [np.where(friction == number, a, 0.0) for number in numbers.values()]
     *F, c = np.linalg.lstsq(np.column_stack([*travels, b]), W)[0]
     blocks = []
-    for (read, stick), F_k in zip(swings, forces, strict=True):
-        differ, pair, scale = _pairs(read.D)
-        S, slope = _weights(read.D, fit)
+    for (read, stick, differ, pair, scale, S, slope), F_k in zip(halves, forces, strict=True):
         F_i = F[numbers[F_k]]
         loss = (F_i - (F_i * (read.D - stick) + c * read.b) * slope / S) / S
         by = scale * np.hstack([0.5 * fit.k * differ - pair * loss, -c * pair / S])
         blocks.append(by @ read.covariance @ by.T)
-    free = sum(read.free for read, _ in swings)
+    swings = [read for read, *_ in halves]
+    turns, free = [(one.turns, one.errors) for one in swings], sum(one.free for one in swings)
     rows = Rows({FRICTION: a, "c": b}, W)
     return DecayRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
 

@@ -91,7 +91,8 @@ class CommonFit:
             return ()
         far = [] if fit.adequate else [Finding("far", effect=UNBOUNDED)]
         early = [] if fit.converged else [Finding("not converged", effect=UNBOUNDED)]
-        return (*far, *early, *(Finding("at its limit", {"symbol": key}) for key in fit.undamped))
+        none = [key for key in fit.law.unknowns if fit.value(key) <= 0.0]
+        return (*far, *early, *(Finding("at its limit", {"symbol": key}) for key in none))
 
     @property
     def _best(self) -> WaveformFit | None:
