@@ -426,7 +426,7 @@ def test_a_decay_without_a_half_cycle_that_slips_has_no_row():
     start = np.array([100.0, 3.0, 6000.0**-0.5, 1.0, 0.0, 0.005, 0.0, 1.3])
     fit = fitted(Decay("a", 0.0, 0.8, (signal,), 0.08), 400.0, start, held="F_k")
     rows = rows_of(fit)
-    assert rows.halves == len(rows.columns) == 0
+    assert rows.halves == len(rows.decay) == 0
     ((turns, errors),) = rows.turns
     assert len(turns) == len(errors) == 0
 

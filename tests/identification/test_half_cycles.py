@@ -192,7 +192,7 @@ def test_samples_that_show_no_swing_clearly_give_no_row(noise):
     par = replace(PLUCKED, noise=noise, rate_hz=60.0)
     motion, (start,) = clean(par)
     rows = check_of([noisy(par, motion, 2, 0, start, 0)], par, 0.1, 0.3)
-    assert rows.halves == len(rows.columns) == rows.free == 0
+    assert rows.halves == len(rows.decay) == rows.free == 0
     assert balanced(rows).values == {}
 
 

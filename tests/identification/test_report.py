@@ -15,9 +15,9 @@ import pytest
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.findings.words import unit_of
 from dampbalance.identification.document import table as rows_of_table
-from dampbalance.identification.drawing import draw
 from dampbalance.identification.forced import friction_loops
 from dampbalance.identification.level import Level, damping_ratio
+from dampbalance.identification.pictures import draw
 from dampbalance.identification.screen import interval_of, value_of
 from folders import ROOT
 from identification.levels import clipped

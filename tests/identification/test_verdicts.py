@@ -23,7 +23,6 @@ from dampbalance.identification.answer import (
     doubted,
 )
 from dampbalance.identification.balance_check import forbidden, notes_on
-from dampbalance.identification.balance_rows import Microstick
 from dampbalance.identification.diagnosis import agreement, on_records
 from dampbalance.identification.oscillator import CommonFit
 from dampbalance.identification.result import Result
@@ -240,13 +239,13 @@ def test_an_onset_that_is_not_known_moves_F_k_by_half_of_the_stick():
         for name, share, range_ in (("a", 0.1, 2.0), ("b", 0.1, 4.0))
     ]
     fit = SimpleNamespace(adequate=False)
-    (note,) = notes_on(answer, readings, CommonFit(fit, linear=False))
+    (note,) = notes_on(answer, readings, CommonFit(fit))
     assert note.effect["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
 
 
 def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
     negative = with_parameters(F_k=parameter(-0.1, 0.2), c=parameter(-6.0, 1.0))
-    linear = CommonFit(None, True, None)
+    linear = CommonFit(None)
     for readings, clipped in (
         ([read("a", force=0.0)], ""),
         (
@@ -288,12 +287,12 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         law=SimpleNamespace(unknowns=("F_k", "c")),
         value={"F_k": 1.28, "c": 90.0}.get,
         error={"F_k": 0.004, "c": 0.3}.get,
+        interval=lambda _: (1e-3, 2e-3),
     )
     off = ParameterEstimate(90.0 + 0.4 * sizes, 0.5, Interval(89.0, 93.0))
     warnings = agreement(
         [],
-        Microstick(1e-5, 1e-7, True, 2e-5),
-        CommonFit(fit, False),
+        CommonFit(fit),
         with_parameters(c=off),
     )
     assert any(one.code == "contradicts" for one in warnings) == apart
@@ -307,7 +306,7 @@ def test_a_distorted_drive_doubts_fundamentals_that_their_noise_does_not_explain
     steady = SimpleNamespace(source="a", warnings=())
     reading = SimpleNamespace(steady=steady, warnings=(distorted, NOTED))
     alone = SimpleNamespace(chi_square=chi_square, freedom=3)
-    said, noted = on_records([reading], SimpleNamespace(fundamentals=alone, linear=False, fit=None))
+    said, noted = on_records([reading], CommonFit(None, fundamentals=alone))
     assert said.spares(FUNDAMENTALS) == spared
     assert said.spares("direct")
     assert said.spares(REFERENCE)

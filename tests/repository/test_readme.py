@@ -14,7 +14,7 @@ from dampbalance.estimates import estimate_table
 from dampbalance.features import Features
 from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
-from dampbalance.identification.drawing import draw
+from dampbalance.identification.pictures import draw
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.causes import Sources

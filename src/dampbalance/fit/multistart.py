@@ -189,17 +189,18 @@ def minima_along(
 
 
 def profile(
-    problem: Any, start: Parameters, key: str, values: Array, trail: Trail | None = None
+    problem: Any, start: Parameters, key: str, values: Array, trail: Trail | None = None, **of: Any
 ) -> list[Climb]:
-    """Return the ends of short climbs with a parameter held at some values, from the best point either way, in the
-    order of the parameter."""
+    """Return the ends of climbs, short ones by default, with a parameter held at some values, from the best point
+    either way, each the start of the next, in the order of the parameter.   of : options of `climb`."""
+    of = {"gain": 0.5, "most": 3} | of
     j, held = start.places[key], start.held(key)
     values = np.sort(np.append(values, start.values[j]))
     ends: list[Climb] = []
     for some in (values[values >= start.values[j]], values[values < start.values[j]][::-1]):
         here = held
         for value in some.tolist():
-            end = climb_on(problem, here.moved(**{key: value}), trail, gain=0.5, most=3)
+            end = climb_on(problem, here.moved(**{key: value}), trail, **of)
             if end is not None:
                 ends.append(end)
                 here = end.parameters

@@ -31,7 +31,7 @@ from ..signals.band import Band
 from ..signals.bursts import Burst, Signal, bursts_of, sharpest
 from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
-from .climb import Climb
+from .climb import MOST_EVALUATIONS, Climb
 from .decay import FURTHER, STATE, Decay, DecayFit, DecayProblem, offset_of, with_noise_of
 from .multistart import climb_on, climbs, likely, multistart, profile
 from .parameters import Parameters
@@ -427,7 +427,10 @@ def profiled(fit: DecayFit) -> DecayFit:
     near = fit.value("rho") + error * _NEAR_MINIMUM
     values = np.append(problem.scan(here), near[near > problem.rigid])
     ends = likely(profile(thin, here, "rho", values), problem, thin)
-    along = [*filter(None, (problem.climb(end.parameters, gain=_ROUGH) for end in ends))]
+    # on all samples each is close to its neighbour, closer than to its place on a few of them
+    stiffnesses = np.array([end.parameters["rho"].value for end in ends])
+    ends = profile(problem, here, "rho", stiffnesses, gain=_ROUGH, most=MOST_EVALUATIONS)
+    along = [problem.fit(end) for end in ends]
     lowest = min(along, key=lambda one: one.chi_square, default=fit)
     if lowest.chi_square < fit.chi_square:
         best = problem.climb(here.at(lowest.point))

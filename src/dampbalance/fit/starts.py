@@ -10,9 +10,8 @@ two), and the in-phase part of the fundamental the mass:
     mω² = k + K − kY Re(1/x_1),   K = K_z Re D(Z_m/X)
 
 with the stiffness K that the contact has for the fundamental of a harmonic motion, and D of `law/contact.py`. The
-responses of these candidates are compared with the harmonics, and the closest start: first their responses to the force
-that the contact has in the motion as it was read, which need no orbit; where no fit from there holds, the exact orbits
-of many more candidates.
+responses of these candidates to the force that the contact has in the motion as it was read, which need no orbit, are
+compared with the harmonics, and the closest start; where no fit from there holds, those of many more candidates.
 """
 
 from __future__ import annotations
@@ -25,11 +24,8 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Mask
 from ..law.contact import describing, play
-from ..motion.orbits import steady_orbits
-from ..motion.regime import Regime
 from ..signals.lines import Lines
 
-_SLIPPING = (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
 # How many of them, up to 1,000: stiffer ones rattle, and a climb reaches them from there, in 1/√K_z.
 _SOFTEST = 13
@@ -63,8 +59,7 @@ def starts(
     candidates = _candidates(lines, k, shares, wide)
     if not len(candidates):
         return candidates
-    respond = _all_responses if wide else _responses_to_contact
-    harmonics, slips = respond(candidates, lines, k, shares)
+    harmonics, slips = _responses_to_contact(candidates, lines, k, shares)
     misfit = np.zeros(len(candidates))
     for i, one in enumerate(lines):
         near = _NEAR_FUNDAMENTAL * abs(one.x[0])
@@ -80,25 +75,12 @@ def starts(
     return best
 
 
-def _all_responses(
-    candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
-) -> tuple[Complexes, Mask]:
-    """Return x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of
-    them."""
-    F_k, c, K_z, m = candidates.T[:, :, None]
-    F_k, c = F_k * shares.friction, c * shares.damping
-    omega, Y = np.array([(one.omega, one.Y) for one in lines]).T
-    orbits = steady_orbits(m=m, c=c, k=k, K_z=K_z, F_k=F_k, Y=Y, omega=omega)
-    X = np.stack([getattr(orbits, f"X_{n}") for n in _COMPARED_HARMONICS], axis=-1)
-    lag = np.stack([getattr(orbits, f"phi_{n}") for n in _COMPARED_HARMONICS], axis=-1)
-    return X * np.exp(-1j * lag), np.any(np.isin(orbits.regime, _SLIPPING), axis=1)
-
-
 def _responses_to_contact(
     candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
-    """Return what `_all_responses` does, without an orbit: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics
-    f_n of the force K_z z that the contact has in the motion as it was read."""
+    """Return x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of
+    them: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the force K_z z that the contact has in the
+    motion as it was read, which needs no orbit."""
     F_k, c, K_z, m = candidates.T
     n = np.array(_COMPARED_HARMONICS)
     turn = np.exp((-2j * math.pi / _POINTS_OF_CONTACT) * np.outer(n, np.arange(_POINTS_OF_CONTACT)))

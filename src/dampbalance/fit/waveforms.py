@@ -433,11 +433,6 @@ class WaveformFit(OscillatorFit):
         """Friction force, N; the mean over the groups where it has some."""
         return float(np.mean([self.value(key) for key in self.law.keys_of(FRICTION)]))
 
-    @property
-    def undamped(self) -> tuple[str, ...]:
-        """Keys of the coefficients that are at zero."""
-        return tuple(key for key in self.law.unknowns if self.value(key) <= 0.0)
-
     @cached_property
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""

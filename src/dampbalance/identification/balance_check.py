@@ -107,18 +107,16 @@ def contradiction(
 
 
 def alike(answer: Answer) -> Iterator[Finding]:
-    """Yield a finding where the rows of the balance hardly distinguish its coefficients."""
+    """Yield a finding where the rows of the balance hardly distinguish its coefficients: by the smallest sine of the
+    angle that a column makes with those before it, each row counted by the parts of its work: of the largest motion
+    alone, all small ones would look alike."""
     rows = None if answer.balance is None else answer.balance.rows
-    # errors are fifty times those of a single unknown
-    if rows is not None and rows.usable.sum() > 1 and _sine(rows) < 0.02:
-        symbols = tuple(answer.coefficients)
-        yield Finding("alike", {"symbols": symbols}, dict.fromkeys([*symbols, "K_z"], math.inf))
-
-
-def _sine(rows: Rows) -> float:
-    """Return the smallest sine of the angle that a column of the balance makes with those before it, each row counted
-    by the parts of its work: of the largest motion alone, all small ones would look alike."""
+    if rows is None or rows.usable.sum() < 2:
+        return
     used = rows.usable & (rows.W != 0.0)
     columns = [g[used] / rows.W[used] for s, g in rows.terms.items() if s not in rows.given]
     unit = np.column_stack([g / np.linalg.norm(g) for g in columns])
-    return float(np.min(np.abs(np.diag(np.linalg.qr(unit)[1]))))
+    # errors are fifty times those of a single unknown
+    if np.min(np.abs(np.diag(np.linalg.qr(unit)[1]))) < 0.02:
+        symbols = tuple(answer.coefficients)
+        yield Finding("alike", {"symbols": symbols}, dict.fromkeys([*symbols, "K_z"], math.inf))

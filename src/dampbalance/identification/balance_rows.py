@@ -6,9 +6,6 @@ which depends on p where the g_j have errors, so that the solution is repeated w
 decays share half cycles, and their noise gives C. Rows of forced records share the onset of slip of one oscillator; C
 is that of the jackknife over the cycles of each record, and each row is weighted by its own variance alone unless a law
 is tested.
-
-The microstick line has one length for all records of a contact, L = X + X_s = 2F_k/K_z (10). It comes from the
-waveforms of the common fit; the errors of all that the waveforms give follow from the data of every record.
 """
 
 from __future__ import annotations
@@ -28,7 +25,7 @@ from ..fit.errors import jackknifed
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..signals.mean_harmonics import Means, Reading
-from ..solver import NORMAL_95, solve
+from ..solver import solve
 from .answer import CONFIDENCE, DIRECT, Answer, Balance, Interval, ParameterEstimate, covariance_of
 
 Errors = Callable[[Mapping[str, float]], Sequence[Array]]
@@ -184,22 +181,14 @@ def features_of(
     return features if held else features.replaced(**dict.fromkeys(_UNKNOWN, math.nan))
 
 
-def _left_out(readings: Sequence[Reading]) -> list[tuple[int, Means]]:
-    """Return means of one reading after the other, (j, r means): without one group of its rows after the other, and
-    with each of its errors that no scatter between rows shows."""
-    return [
-        (j, means)
-        for j, reading in enumerate(readings)
-        for means in (reading.left_out(), *reading.with_hidden_errors())
-    ]
-
-
 def features_left_out(readings: Sequence[Reading]) -> list[Features]:
-    """Return the features of all readings without groups of rows of one after the other, each (n, r)."""
+    """Return the features of all readings, each (n, r), without one group of rows of one reading after the other, and
+    with each of its errors that no scatter between rows shows."""
     each = []
-    for j, others in _left_out(readings):
-        means = [reading.mean[[0] * len(others.Y)] for reading in readings]
-        each.append(features_of(readings, [*means[:j], others, *means[j + 1 :]]))
+    for j, reading in enumerate(readings):
+        for others in (reading.left_out(), *reading.with_hidden_errors()):
+            means = [one.mean[[0] * len(others.Y)] for one in readings]
+            each.append(features_of(readings, [*means[:j], others, *means[j + 1 :]]))
     return each
 
 
@@ -218,35 +207,3 @@ def solved_forced(
 
     freedoms = [part.W.shape[-1] - 1.0 for part in left]
     return rows, solved(rows, errors, freedoms, correlated=correlated)
-
-
-@dataclass(frozen=True, slots=True)
-class Microstick:
-    """Length of the microstick line X + X_s = 2F_k/K_z that all records share, m.
-
-    resolved : whether the 95 % interval of its root lies above zero.   bound : upper bound at 97.5 % confidence.
-    All numbers are NaN where the waveforms of the records are not known.
-    """
-
-    length: float = math.nan
-    standard_error: float = math.nan
-    resolved: bool = False
-    bound: float = math.nan
-
-
-def microstick(readings: Sequence[Reading]) -> Microstick:
-    """Return the length of the microstick line, and whether it stands out of its noise."""
-    waveforms = [reading.waveform for reading in readings if reading.waveform is not None]
-    if not waveforms:
-        return Microstick()
-    # one friction force for each group of records
-    forces = {waveform.at[FRICTION]: waveform.F_k for waveform in waveforms}
-    F_k, rho, at = float(np.mean([*forces.values()])), waveforms[0].rho, waveforms[0].at["rho"]
-    left = []
-    for j, means in _left_out(readings):
-        moved = readings[j].moved(means)
-        f, r = F_k + moved[[*forces]].mean(axis=0), rho + moved[at]
-        left.append(np.stack([r, 2.0 * f * r * np.abs(r)]))
-    error, of_length = np.sqrt(np.diag(jackknifed(left))).tolist()
-    bound = 2.0 * F_k * (rho + NORMAL_95 * error) ** 2
-    return Microstick(2.0 * F_k * rho**2, of_length, rho > NORMAL_95 * error, bound)

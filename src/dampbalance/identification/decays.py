@@ -53,7 +53,7 @@ from .decay_laws import (
     with_effects,
 )
 from .diagnosis import on_mass
-from .half_cycles import A, B, DecayRows, W, rows_of
+from .half_cycles import DecayRows, rows_of
 from .level import Column
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
@@ -66,8 +66,6 @@ if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 
-# Of the motion, that a contact, a spring or a sensor which is not linear makes.
-_HARMONICS = (1, 2, 3, 5)
 # half cycles, and K_z/k, below which a motion that does not fit shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
 
@@ -150,7 +148,7 @@ class DecayBasis:
         from . import pictures as drawn  # slow to import
 
         pictures = {"decays": Picture(drawn.decays, (self.fit, self.half_cycles.turns))}
-        if len(self.half_cycles.columns):
+        if self.half_cycles.decay.size:
             pictures["balance"] = Picture(drawn.balance, (found.approaches, False))
         if self.damping:
             pictures["damping"] = Picture(drawn.damping, (self.damping,))
@@ -188,20 +186,18 @@ def identify_decays(
     >>> {symbol: round(found.values[symbol], 1) for symbol in ("F_k", "c")}
     {'F_k': 0.5, 'c': 1.0}
     """
-    given = {"stiffness": stiffness, **options}
+    given, read = {"stiffness": stiffness, **options}, tuple[Record, ...]()
     try:
         read, asked_for = read_request("ring-down", records, mapping, given)
-    except ValueError as error:
+        found = _of_records(read, asked_for)
+    except ValueError as error:  # the swings show the damping without a fit
         if stiffness is None and given.get("mass") is None:
             read = as_records(records, mapping=mapping, kind="ring-down")
-            raise _with_damping(error, read, _damping_of(read)) from None
+        if damping := _damping_of(read):
+            levels, of = [one.document() for one in damping], read[0].coordinate
+            error.add_note("\n".join(measured_lines(DecayBasis, levels, of)))
         raise
-    damping = _damping_of(read)
-    try:
-        found = _of_records(read, asked_for)
-    except ValueError as error:
-        raise _with_damping(error, read, damping) from None
-    return replace(found, basis=replace(found.basis, damping=damping))
+    return replace(found, basis=replace(found.basis, damping=_damping_of(read)))
 
 
 @one_thread
@@ -214,16 +210,6 @@ def _damping_of(records: Sequence[Record]) -> list[SwingDamping]:
             lead = sharpest(signals)
             found.append(damping_of(lead, bursts_of(lead)))
     return max(found, key=lambda rows: rows[0].X if rows else 0.0, default=[])
-
-
-def _with_damping(
-    error: ValueError, records: Sequence[Record], damping: Sequence[SwingDamping]
-) -> ValueError:
-    """Return an error with the table of the damping as a note: the swings show it without a fit."""
-    if damping:
-        levels = [one.document() for one in damping]
-        error.add_note("\n".join(measured_lines(DecayBasis, levels, records[0].coordinate)))
-    return error
 
 
 def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Result[DecayBasis]:
@@ -404,12 +390,7 @@ def _solved(
     reference = answer_of_fit(fit, TERMS, fit_notes)
     numbers = (rows.decay + 1).tolist()
     answer = as_answer(
-        *(
-            BALANCE,
-            solution,
-            Rows({"F_k": rows.columns[:, A], "c": rows.columns[:, B]}, rows.columns[:, W]),
-        ),
-        tuple(f"decay {i}" for i in numbers),
+        *(BALANCE, solution, rows.rows, tuple(f"decay {i}" for i in numbers)),
         {**dict.fromkeys(TERMS, UNKNOWN), "K_z": reference.K_z},
         {"decay": numbers},
         notes=tuple(notes),
@@ -460,10 +441,10 @@ def _scatter_of(fit: DecayFit) -> list[Finding]:
 
 def balanced(rows: DecayRows) -> Balanced:
     """Return F_k and c of the rows, F_k as the mean where decays have friction forces of their own."""
-    work, a, b = rows.columns[:, [W, A, B]].T
+    a, b = rows.rows.terms.values()
     forces = np.unique(rows.friction)
     terms = {str(one): np.where(rows.friction == one, a, 0.0) for one in forces} or {"0": a}
-    of_rows = Rows({**terms, "c": b}, work)
+    of_rows = Rows({**terms, "c": b}, rows.rows.W)
     each = solved(of_rows, lambda _: [rows.covariance], [math.inf], free=rows.free)
     if forces.size == 1 or not each.estimates:
         return replace(each, estimates=dict(zip(TERMS, each.estimates.values(), strict=False)))

@@ -4,7 +4,7 @@ sticks, records that no oscillator explains."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +20,6 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import P_CAUSE, SHOWS
 from .answer import Answer
 from .balance_check import alike, contradiction
-from .balance_rows import Microstick
 from .causes import departure, doubts_of, hint_of, likeliest, shown_by
 from .oscillator import CommonFit
 
@@ -33,7 +32,7 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
     alone = common.fundamentals
     holds = alone is not None and special.chdtrc(alone.freedom, alone.chi_square) > P_CAUSE
     found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
-    explained = common.linear or (common.fit is not None and common.fit.adequate)
+    explained = common.stuck is not None or common.waveforms_hold
     found = [one for one in found if not (explained and one.numbers.get("rare"))]
     harmless = {"base": "base within noise"} if holds else {}
     return [replace(one, code=harmless.get(one.code, one.code)) for one in found]
@@ -41,28 +40,23 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
 
 def agreement(
     readings: Sequence[Reading],
-    microstick: Microstick,
     common: CommonFit,
     direct: Answer,
 ) -> Iterator[Finding]:
     """Yield findings on all records together: what the common fit shows, which levels fail, where the balance by direct
     integration contradicts."""
     yield from _on_the_oscillator(readings, common)
-    if still := _numbered(reading.slips is False for reading in readings):
-        yield Finding("only sticks", {"records": still})
-    if common.waveforms_hold and not microstick.resolved:
+    if still := [str(i) for i, of in enumerate(readings, 1) if of.slips is False]:
+        yield Finding("only sticks", {"records": ", ".join(still)})
+    fit = common.fit if common.waveforms_hold else None
+    if fit is not None and not fit.interval("rho")[0] > 0.0:
         yield Finding("unresolved", effect={"K_z": math.inf})
-    fit = common.fit
-    if fit is not None and {"c", "c_r"} <= set(fit.law.unknowns):
-        yield Finding("skewed", {"by": 1e-6 * fit.k}, {"c": math.inf, "c_r": math.inf})
-    if fit is not None and common.waveforms_hold and not common.in_rows:
+    if {"c", "c_r"} <= {*direct.coefficients}:
+        by = 1e-6 * readings[0].steady.k
+        yield Finding("skewed", {"by": by}, {"c": math.inf, "c_r": math.inf})
+    if fit is not None and not common.in_rows:
         yield from contradiction(direct, fit)
     yield from alike(direct)
-
-
-def _numbered(which: Iterable[bool]) -> str:
-    """Return numbers of the records for which something holds: "1, 3"."""
-    return ", ".join(str(i) for i, holds in enumerate(which, 1) if holds)
 
 
 def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
@@ -128,20 +122,15 @@ def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:
 
     mass : kg, as given.   by_force : whether a load cell measures what drives, and feels what is between.
     """
-    numbers = {
-        "masses": (fit.m, mass),
-        "fixture": by_force and 0.5 < mass / fit.m < 1.0,
-        "meant": tuple(_mistaken_unit(mass / fit.m, fit.k, mass)),
-    }
-    return Finding("mass", numbers, {"": abs(mass / fit.m - 1.0)})
-
-
-def _mistaken_unit(ratio: float, k: float, mass: float) -> Iterator[tuple[str, float, str]]:
-    """Yield symbol, number and unit that may be meant, where the ratio of the mass given to that of the records is that
-    of two units."""
-    for (symbol, unit), factor in _MISTAKEN.items():
-        if abs(ratio / factor - 1.0) < _CLOSE:
-            yield symbol, k if symbol == "k" else mass, unit
+    ratio = mass / fit.m
+    meant = tuple(
+        (symbol, fit.k if symbol == "k" else mass, unit)
+        for (symbol, unit), factor in _MISTAKEN.items()
+        if abs(ratio / factor - 1.0) < _CLOSE
+    )
+    fixture = by_force and 0.5 < ratio < 1.0
+    numbers = {"masses": (fit.m, mass), "fixture": fixture, "meant": meant}
+    return Finding("mass", numbers, {"": abs(ratio - 1.0)})
 
 
 _CLOSE = 0.03  # relative: what a gain and a mass that nobody weighed leave between two units

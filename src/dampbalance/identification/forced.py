@@ -49,10 +49,8 @@ from .answer import (
 )
 from .balance_check import contradiction, notes_on
 from .balance_rows import (
-    Microstick,
     as_answer,
     features_of,
-    microstick,
     rows_of,
     solved_again,
     solved_forced,
@@ -84,29 +82,21 @@ class ForcedBasis:
     readings : what was read off each record.
     common : the fit of one oscillator to all records.
     features : of the records, (n,), with the onset of slip of that oscillator.
-    microstick : the line that all records share.
     """
 
     law: Law
     readings: tuple[Reading, ...]
     common: CommonFit
     features: Features
-    microstick: Microstick
 
     kind: ClassVar[str] = "forced"
     mass_tests: ClassVar[bool] = True
     columns: ClassVar[Mapping[str, Column]] = {}
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return the microstick line and the features of each record."""
-        line = self.microstick
+        """Return the microstick line that all records share and the features of each record."""
         return {
-            "microstick": {
-                "length_m": line.length,
-                "standard_error_m": line.standard_error,
-                "resolved": line.resolved,
-                "upper_bound_m": line.bound,
-            },
+            "microstick": microstick_of(self.fit if self.common.waveforms_hold else None),
             "records": [
                 {
                     "record": reading.steady.source,
@@ -182,7 +172,26 @@ class ForcedBasis:
     @property
     def fit(self) -> WaveformFit | None:
         """The fit of the waveforms, where they show friction."""
-        return None if self.common.linear else self.common.fit
+        return self.common.fit
+
+
+def microstick_of(fit: WaveformFit | None) -> dict[str, Any]:
+    """Return the length of the microstick line X + X_s = 2F_k/K_z (10), m, whether its root lies above zero at 95 %,
+    and an upper bound at 97.5 %; NaN without a fit whose waveforms are those of the records."""
+    length = error = low = high = math.nan
+    if fit is not None:
+        forces, (low, high) = fit.law.keys_of(FRICTION), fit.interval("rho")
+        length = 2.0 * fit.F_k * fit.rho**2
+        slopes = np.array(
+            [2.0 * fit.rho**2 / len(forces)] * len(forces) + [4.0 * fit.F_k * fit.rho]
+        )
+        error = math.sqrt(slopes @ fit.covariance_of(*forces, "rho") @ slopes)
+    return {
+        "length_m": length,
+        "standard_error_m": error,
+        "resolved": low > 0.0,
+        "upper_bound_m": math.nan if fit is None else 2.0 * fit.F_k * high**2,
+    }
 
 
 def friction_loops(
@@ -366,7 +375,7 @@ def identify_readings(
             reference, notes=(*reference.notes, Finding("fewer levels", effect=UNBOUNDED))
         )
     readings = with_common_fit(readings, common, law)
-    line, own = microstick(readings), features_of(readings, [reading.mean for reading in readings])
+    own = features_of(readings, [reading.mean for reading in readings])
     alone = common.answer_of_fundamentals
     estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
     K_z = reference.K_z if reference is not None and common.waveforms_hold else UNKNOWN
@@ -375,16 +384,16 @@ def identify_readings(
     estimates[DIRECT] = replace(direct, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, rig = common.fit, list[Finding]()
-    if fit is not None and not common.linear:
+    if fit is not None:
         rig = implied(common.closest, mass if common.mass_fits else None)
     if common.delay is not None and not (common.explained or common.hinted):
         rig.append(Finding("timing", {"late": common.delay}))
     of_records = on_records(readings, common)
-    of_all = agreement(readings, line, common, direct)
+    of_all = agreement(readings, common, direct)
     if fit is not None and common.waveforms_hold and not fit.parameters[GRADUAL].free:
         rig += condition_on_contact(fit, fit.departures.values())
     return Result(
-        basis=ForcedBasis(law, tuple(readings), common, own[:, 0], line),
+        basis=ForcedBasis(law, tuple(readings), common, own[:, 0]),
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
         estimates=estimates,

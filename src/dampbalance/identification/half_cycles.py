@@ -35,13 +35,12 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import savgol_filter
 
 from ..arrays import Array, Integers
+from ..balance import Rows
 from ..fit.decay import Decay, DecayFit
+from ..law.terms import FRICTION
 from ..signals.bursts import Signal, least_noise
 from ..signals.simpson import integrals
 from ..signals.thresholds import SIGNIFICANT
-
-W, A, B = range(3)
-"""Columns of a row: W (J), a (m), b (m²/s)."""
 
 # of which more are averaged: a mean over dt takes (ωdt)²/24 off a swing, 2e-4
 _SAMPLES_A_CYCLE = 100
@@ -78,13 +77,13 @@ class Swings(NamedTuple):
 class DecayRows:
     """Rows of all decays.
 
-    columns : (n, 3), see W, A, B.   covariance : of W − a F_k − b c, J², (n, n).   decay, friction : number of the
-    decay and of the friction force of each row, (n,).
+    rows : a of F_k and b of c, one friction force for all.   covariance : of W − a F_k − b c, J², (n, n).   decay,
+    friction : number of the decay and of the friction force of each row, (n,).
     free : number of parameters of baselines, which the covariance leaves free.
     turns : of each decay, rows (t, x), s and m, and their standard errors, m; empty where none could be read.
     """
 
-    columns: Array
+    rows: Rows
     covariance: Array
     decay: Integers
     friction: Integers
@@ -102,33 +101,31 @@ def rows_of(fit: DecayFit) -> DecayRows:
     nothing else."""
     forces = [fit.value(one.key("F_k")) for one in fit.decays]
     numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
-    columns, decays, swings, turns = [np.empty((0, 3))], [], [], []
+    columns, decays, halves = [np.empty((0, 3))], [], []
     for i, (one, F_k) in enumerate(zip(_without_gaps(fit), forces, strict=True)):
         stick = 2.0 * F_k / fit.K_z
         moves = one.cut(one.start, fit.at_rest(i))  # from there on it rings on the contact
         channels = [swings_of(signal, one.period, _SLIPS * stick) for signal in moves.signals]
         read = max(channels, key=lambda of: (of.D.size, -of.errors.sum()))
-        swings.append((read, stick))
-        turns.append((read.turns, read.errors))
-        differ, pair, scale = _pairs(read.D)
-        S, _ = _weights(read.D, fit)
-        a, viscous = pair @ ((read.D - stick) / S), pair @ (read.b / S)
-        columns.append(scale * np.stack([0.5 * fit.k * differ @ read.D, a, viscous], axis=1))
+        (differ, pair, scale), (S, slope) = _pairs(read.D), _weights(read.D, fit)
+        halves.append((read, stick, differ, pair, scale, S, slope))
+        parts = 0.5 * fit.k * differ @ read.D, pair @ ((read.D - stick) / S), pair @ (read.b / S)
+        columns.append(scale * np.stack(parts, axis=1))
         decays += [i] * len(scale)
     which = np.array(decays, dtype=np.intp)
     friction = np.array([numbers[F_k] for F_k in forces], dtype=np.intp)[which]
-    rows = np.vstack(columns)
-    travels = [np.where(friction == number, rows[:, A], 0.0) for number in numbers.values()]
-    *F, c = np.linalg.lstsq(np.column_stack([*travels, rows[:, B]]), rows[:, W])[0]
+    W, a, b = np.vstack(columns).T
+    travels = [np.where(friction == number, a, 0.0) for number in numbers.values()]
+    *F, c = np.linalg.lstsq(np.column_stack([*travels, b]), W)[0]
     blocks = []
-    for (read, stick), F_k in zip(swings, forces, strict=True):
-        differ, pair, scale = _pairs(read.D)
-        S, slope = _weights(read.D, fit)
+    for (read, stick, differ, pair, scale, S, slope), F_k in zip(halves, forces, strict=True):
         F_i = F[numbers[F_k]]
         loss = (F_i - (F_i * (read.D - stick) + c * read.b) * slope / S) / S
         by = scale * np.hstack([0.5 * fit.k * differ - pair * loss, -c * pair / S])
         blocks.append(by @ read.covariance @ by.T)
-    free = sum(read.free for read, _ in swings)
+    swings = [read for read, *_ in halves]
+    turns, free = [(one.turns, one.errors) for one in swings], sum(one.free for one in swings)
+    rows = Rows({FRICTION: a, "c": b}, W)
     return DecayRows(rows, block_diag(*blocks), which, friction, free, tuple(turns))
 
 

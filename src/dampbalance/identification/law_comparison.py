@@ -219,7 +219,7 @@ def compare_laws(
         if len(tried.unknowns) > len(readings):
             return None
         # the onset of a slip that stands for none has errors beyond first order, and enters no row
-        alone = LawTest(kept) if rubs else _by_balance(kept, tried, readings, CommonFit(None, True))
+        alone = LawTest(kept) if rubs else _by_balance(kept, tried, readings, CommonFit(None))
         if alone.balance is not None and alone.balance.p < _SURE:
             return alone, None  # where there is friction, the balance shows it at once
         fit = fit_quickly(HarmonicProblem(tried, lines, k), near)
@@ -227,7 +227,7 @@ def compare_laws(
             fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             return LawTest(kept), None
-        balance = _by_balance(kept, tried, readings, CommonFit(fit, False)) if rubs else alone
+        balance = _by_balance(kept, tried, readings, CommonFit(fit)) if rubs else alone
         p = probability(fit.chi_square, fit.freedom, fit.lines)
         waveforms = {"waveforms": Probability(fit.chi_square, fit.freedom, p)}
         in_phase = tuple(fit.in_phase.tolist())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 
 class Column(NamedTuple):
@@ -16,13 +16,6 @@ class Column(NamedTuple):
     symbol: str
     unit: str = ""
     error: str = ""
-
-
-class Measured(Protocol):
-    """What is measured in a range of the amplitude: `Level` or `signals.log_decrement.SwingDamping`."""
-
-    def document(self, k: float, m: float) -> dict[str, Any]:
-        """Return it by the keys of the document.   k : of the spring, N/m.   m : kg."""
 
 
 class Level(NamedTuple):

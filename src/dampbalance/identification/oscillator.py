@@ -29,20 +29,19 @@ class CommonFit:
     """One oscillator fitted to all records.
 
     fit : the oscillator that responds most like them, with the departures that explain them left free; None where no
-    oscillator that slips does.
-    linear : whether a linear oscillator explains them within their noise: nothing slips, or slip does not show.
+    oscillator that slips does, or a linear one explains them.
     explained : departures that explain what the oscillator alone does not, the likeliest first, and those that do as
     well.   fall : of χ² by the first.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it.
     fundamentals : the fit to the fundamental of each record alone, where the waveforms are not those of an oscillator.
     plain : the fit without these departures, where it explains the records, too, and a few of such sets as well.
     hinted : departures that the records hint at and the answer is not freed of.
-    stuck : the linear oscillator, with the stiffness of a contact that only sticks, where one explains the records.
+    stuck : the linear oscillator, with the stiffness of a contact that only sticks, where one explains the records
+    within their noise: nothing slips, or slip does not show.
     frictionless : whether a balance of these has no friction: the contact sticks, or no two levels differ.
     """
 
     fit: WaveformFit | None
-    linear: bool
     explained: tuple[Explanation, ...] = ()
     fall: float = 0.0
     mass: float | None = None
@@ -63,7 +62,7 @@ class CommonFit:
     @property
     def waveforms_hold(self) -> bool:
         """Whether the waveforms of the fit are those of the records, so that the onset of slip and K_z are known."""
-        return self.fit is not None and self.fit.adequate and not self.linear
+        return self.fit is not None and self.fit.adequate
 
     @property
     def in_rows(self) -> bool:
@@ -88,11 +87,12 @@ class CommonFit:
     def notes(self) -> tuple[Finding, ...]:
         """What one must know before using the numbers of the fit."""
         fit = self._best
-        if fit is None or self.linear:
+        if fit is None:
             return ()
         far = [] if fit.adequate else [Finding("far", effect=UNBOUNDED)]
         early = [] if fit.converged else [Finding("not converged", effect=UNBOUNDED)]
-        return (*far, *early, *(Finding("at its limit", {"symbol": key}) for key in fit.undamped))
+        none = [key for key in fit.law.unknowns if fit.value(key) <= 0.0]
+        return (*far, *early, *(Finding("at its limit", {"symbol": key}) for key in none))
 
     @property
     def _best(self) -> WaveformFit | None:
@@ -103,7 +103,7 @@ class CommonFit:
     def delay(self) -> tuple[float, float] | None:
         """Delay of the response that the records show and its standard error, s: fitted, or to first order."""
         fit = self.fit
-        if fit is None or self.linear or not fit.adequate:
+        if fit is None or not fit.adequate:
             return None
         if fit.parameters["delay"].free:
             return fit.value("delay"), fit.error("delay")
@@ -115,7 +115,7 @@ class CommonFit:
         """The answer of the fit, whose intervals hold the numbers of all departures that explain the records; None
         where no oscillator that slips fits."""
         fit, delay = self._best, self.delay or (None, None)
-        if fit is None or self.linear:
+        if fit is None:
             return None
         answer = answer_of_fit(
             fit,
@@ -176,7 +176,7 @@ def common_fit(
     fit, alone = _searched(lines, k, law, slips)
     fall = 0.0 if fit is None else without.chi_square - fit.chi_square
     linear = fall < SHOWS and not slips
-    alone = None if linear else alone
+    fit, alone = (None, None) if linear else (fit, alone)
 
     def penalty(one: OscillatorFit) -> float:
         """Return the χ² that the mass given adds: the square of its difference in standard errors."""
@@ -185,7 +185,7 @@ def common_fit(
         apart = math.hypot(error, mass_error, stiffness_error / k * one.m)
         return 0.0 if m is None or one.m == m else ((one.m - m) / apart) ** 2
 
-    if fit is None or linear:
+    if fit is None:
         fits = alone is None or penalty(alone) < SHOWS
         stuck = linear_fit(lines, k, law.terms, m, mass_error) if linear else None
         bare = False
@@ -196,7 +196,9 @@ def common_fit(
             sizes = [float(abs(one.x[0])) for one in lines]
             alike = len(lines) < len(law.unknowns) or max(sizes) < _DIFFER * min(sizes)
             bare = alike or stuck.sticks is True
-        return CommonFit(fit, linear, (), 0.0, m, fits, alone, stuck=stuck, frictionless=bare)
+        return CommonFit(
+            *(None, (), 0.0, m, fits), fundamentals=alone, stuck=stuck, frictionless=bare
+        )
     error = fit.error("m")
     given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
     # χ² rises by the square of the difference over the error of the records alone
@@ -210,13 +212,13 @@ def common_fit(
         found = explanations(fit, lines, penalty=penalty, near=alone, frames=unsure)
     if not found:
         fits = penalty(alone or fit) < SHOWS
-        return CommonFit(fit, linear, mass=m, mass_fits=fits, fundamentals=alone)
+        return CommonFit(fit, mass=m, mass_fits=fits, fundamentals=alone)
     best = found[0].fit
     fall = fit.chi_square + penalty(fit) - best.chi_square - penalty(best)
     chance = fall < fall_of(P_SHOWN, lines) and fit.adequate and penalty(fit) < SHOWS
     plain = fit if chance else None
     fit = fit if FRAME in found[0].names else best
-    return CommonFit(fit, linear, found, fall, m, penalty(best) < SHOWS, plain=plain)
+    return CommonFit(fit, found, fall, m, penalty(best) < SHOWS, plain=plain)
 
 
 def _searched(
@@ -256,12 +258,12 @@ def with_common_fit(
     law : of the terms whose integrals are wanted.
     """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
-    fit = None if common.linear else common.fit
-    fitted = []
+    fit, fitted = common.fit, []
     for i, reading in enumerate(readings):
-        shared = fit.waveforms[i] if fit is not None and fit.adequate else None
-        travel = reading.stick_travel
-        if fit is not None and not fit.adequate:
+        shared, travel = None, reading.stick_travel
+        if fit is not None and fit.adequate:
+            shared = fit.waveforms[i]
+        elif fit is not None:
             nearest = (common.fundamentals or fit).responses[i]
             travel = nearest.stick_travel if nearest.slips else math.nan
         fitted.append(replace(reading, waveform=shared, stick_travel=travel, terms=wanted))

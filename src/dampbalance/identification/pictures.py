@@ -6,14 +6,15 @@ more of them share it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..arguments import one_of
 from ..arrays import Array
 from ..figures.cycle import branches, whole_cycle
 from ..figures.looks import in_maths, label_of, look_of
@@ -23,7 +24,9 @@ from ..figures.style import (
     FAINT,
     SLIP,
     STICK,
+    drawn_in,
     explained,
+    lacking_glyphs,
     page,
     place,
     styled,
@@ -39,6 +42,11 @@ from ..signals.mean_harmonics import Reading
 from ..solver import NORMAL_95
 from .answer import Answer
 from .loading import excerpt
+
+if TYPE_CHECKING:
+    from .result import Picture, Result
+
+DPI = 200  # pictures to look at: in print they are SVG
 
 _POINTS = 6000  # samples drawn at most
 _SHOWN = {  # quantity → (symbol, factor, unit, column of the averaged cycle)
@@ -58,6 +66,37 @@ _HIGHER = {1: 1.6, 2: 1.3, 3: 1.0}  # panels abreast → how much higher each is
 _FINE = 2880  # points of a cycle: its corners are between two of them
 _AT_REST = 1.5  # periods of rest that are shown after the motion
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
+
+
+def draw(picture: Picture, coordinate: Coordinate) -> Figure:
+    """Return a picture on a page of its own."""
+    with lacking_glyphs():
+        return picture.draw(*picture.of, coordinate)
+
+
+def plot(
+    found: Result[Any],
+    figure: str | None,
+    ax: Axes | Sequence[Axes | None] | None,
+    style: Mapping[str, Any],
+) -> Any:
+    """Draw a picture and return its axes: see `Result.plot`."""
+    pictures = found.pictures
+    name = next(iter(pictures)) if figure is None else one_of("figure", figure, tuple(pictures))
+    several = ax is None or isinstance(ax, Iterable)
+    given: Any = ax if several else [ax]
+    held = [] if given is None else [one for one in given if one is not None]
+    before = {line for axes in held for line in axes.get_lines()}
+    with drawn_in(given):
+        drawn = draw(pictures[name], found.coordinate)
+    axes = held or drawn.axes
+    for one in held:  # what the panels of a picture share, each of these has
+        shared = [panel.get_xlabel() for panel in drawn.axes if panel.get_xlabel()]
+        one.set_xlabel(one.get_xlabel() or next(iter(shared), ""))
+        one.tick_params(labelbottom=True)
+    for line in (line for one in axes for line in one.get_lines() if line not in before):
+        line.set(**style)
+    return np.array(axes) if several else ax
 
 
 @styled()

@@ -43,8 +43,8 @@ from ..project.wording import (
 )
 from ..records.coordinate import ROTATION, Coordinate
 from .answer import DOUBTFUL, Answer, ParameterEstimate
-from .drawing import DPI, draw
 from .outputs import PICTURES, pictures_of
+from .pictures import DPI, draw
 from .screen import (
     answer_in_words,
     answers_table,

@@ -17,9 +17,10 @@ from ..findings.words import sentence, unit_of
 from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.record import Record
+from ..signals.log_decrement import SwingDamping
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
 from .law_comparison import LawComparison
-from .level import Column, Measured, damping_ratio
+from .level import Column, Level, damping_ratio
 from .sensitivities import FAULTS, Fault, effects_of
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ class Basis(Protocol):
         """Return what was read off the records and follows from them, for the document; `records` has an entry for
         each."""
 
-    def levels(self, found: Result[Any]) -> Sequence[Measured]:
+    def levels(self, found: Result[Any]) -> Sequence[Level | SwingDamping]:
         """Return cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
@@ -118,7 +119,7 @@ class Result(Generic[B]):
         return self.records[0].coordinate if self.records else TRANSLATION
 
     @property
-    def levels(self) -> Sequence[Measured]:
+    def levels(self) -> Sequence[Level | SwingDamping]:
         """Cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
         return self.basis.levels(self)
 
@@ -367,7 +368,7 @@ class Result(Generic[B]):
 
         Raises ValueError for a name that is none of them.
         """
-        from .drawing import plot  # slow to import
+        from .pictures import plot  # slow to import
 
         return plot(self, figure, ax, style)
 
@@ -381,7 +382,7 @@ class Result(Generic[B]):
 
         Raises ValueError where results are there already and may not be replaced, or nothing can be written.
         """
-        from .saving import save
+        from .outputs import save
 
         return save(self, folder, figures=figures, overwrite=overwrite)
 

@@ -66,7 +66,7 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     check = agreement(found) if found.check is None else " ".join(found.in_sentences(found.check))
     numbers = wrapped([*damping_of(found), check], width)
     causes = wrapped([f"- {one}" for one in causes], width)
-    parts = [causes, table_of(found), numbers] if first else [numbers, causes]
+    parts = [causes, aligned(answers_table(found)), numbers] if first else [numbers, causes]
     more = f"{left} more and " * bool(left) + "all numbers"
     last = f"See {details} for {more}, and for what they depend on."
     tests = comparison(found, width)
@@ -79,7 +79,7 @@ def screen(found: Result[Any], width: int, details: str) -> str:
 def details(found: Result[Any], width: int | None = None) -> str:
     """Return all sentences and tables: see `Result.text`."""
     said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
-    numbers = [*wrapped([found.head], width), "", *table_of(found), "", *said]
+    numbers = [*wrapped([found.head], width), "", *aligned(answers_table(found)), "", *said]
     if tests := comparison(found, width):
         numbers += ["", *tests]
     heading = "Causes and remedies" if found.unanswered else "What limits the answer"
@@ -144,11 +144,6 @@ def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
         verdict = in_one(answer.verdicts, coordinate)
         lines.append((name + " *" * bool(answer.notes), *cells, verdict))
     return lines
-
-
-def table_of(found: Result[Any]) -> list[str]:
-    """Return the table of all answers as lines."""
-    return aligned(answers_table(found))
 
 
 def measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list[str]]:

@@ -176,7 +176,7 @@ def measured_responses(cases: Cases, _: Iterable[str]) -> Responses:
         read = [record if isinstance(record, str) else record[0] for record in records]
         features, common = _with_one_oscillator(read, osc.k, study.replicates, random)
         seen.append(features)
-        if common is not None and (fit := common.fit) is not None and not common.linear:
+        if common is not None and (fit := common.fit) is not None:
             fitted[0, :, case] = [*map(fit.value, TERMS), fit.K_z]
             fitted[1, :, case] = [*map(fit.error, TERMS), fit.K_z_error]
         if by_simpson:
