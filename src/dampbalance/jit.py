@@ -24,7 +24,8 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 _PACKAGE = Path(__file__).parent
 _OTHERS = (
-    *("arguments", "arrays", "jit", "model", "fit/climb", "law/contact", "records/equal_steps"),
+    *("arguments", "arrays", "jit", "model", "law/contact", "records/equal_steps"),
+    *("fit/climb", "fit/parameters"),
     *(f"replication/{name}" for name in ("fixed_step", "record", "sampled")),
 )
 _LOCK = threading.RLock()

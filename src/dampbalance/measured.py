@@ -127,7 +127,7 @@ def identify(
         records = read_records(records, mapping=mapping)
         if not all(record.channels for record in records):
             kind = "stepped-sine"
-        elif not any(record.timed or "displacement" in record for record in records):
+        elif records and not any(one.timed or "displacement" in one for one in records):
             kind = "friction-speed"
         elif not {"stiffness", "mass"} & given.keys() and all(map(_is_loop, records)):
             kind = "loops"

@@ -298,7 +298,7 @@ def covariance_of(
     matrix = np.full((len(parameters), len(parameters)), np.nan)
     np.fill_diagonal(matrix, [p.standard_error**2 for p in parameters.values()])
     at = [[*parameters].index(symbol) for symbol in symbols]
-    matrix[np.ix_(at, at)] = known
+    matrix[np.ix_(at, at)] = 0.5 * (known + known.T)  # products of matrices round unlike
     return matrix
 
 
