@@ -95,23 +95,29 @@ class FundamentalProblem(StiffnessProblem):
         for at, drive in zip(self.exact.at, drives, strict=True):
             bare[at["Y"]] = drive / self.k
         try:
-            moved = [_fundamental(self.exact, bare, i) for i in range(drives.size)]
+            moved = [self._fundamental(bare, i) for i in range(drives.size)]
         except NO_MOTION:
             return None
         there = replace(drawn, X=np.abs(moved), Z=drives / np.array(moved))
         lacks = there.Z - (self.law(bare, there) - self.added)
         return replace(self, start=start, added=lacks)
 
+    def response(self, values: Array, i: int) -> Response:
+        """Return the exact motion of a record.   Raises NO_MOTION."""
+        # next to a stiff contact, a friction as small as its lower limit has no orbit that is found: none has
+        rubs = np.where(np.array(self.start.names) == FRICTION, values > self.start.low, True)
+        return self.exact.response(values * rubs, i)
+
+    def _fundamental(self, values: Array, i: int) -> complex:
+        """Return x_1 of the exact motion of a record, with what the harmonics of its base add, m.   Raises
+        NO_MOTION."""
+        response, base = self.response(values, i), self.exact.lines[i].base
+        return complex(response.harmonics(1)[0] + added_by_base(base, response, 1)[0])
+
     @property
     def size(self) -> float:
         """Norm of the residuals."""
         return float(np.linalg.norm(self.residual(self.start.values)))
-
-
-def _fundamental(exact: HarmonicProblem, point: Array, i: int) -> complex:
-    """Return x_1 of the exact motion of a record, with what the harmonics of its base add, m.   Raises NO_MOTION."""
-    response = exact.response(point, i)
-    return complex(response.harmonics(1)[0] + added_by_base(exact.lines[i].base, response, 1)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,7 +185,7 @@ class FundamentalFit(OscillatorFit):
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
         records = range(self.residual.shape[1])
-        return tuple(self.problem.exact.response(self.point, i) for i in records)
+        return tuple(self.problem.response(self.point, i) for i in records)
 
     @property
     def scatter(self) -> float:
