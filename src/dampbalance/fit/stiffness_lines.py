@@ -96,19 +96,19 @@ def stiffness_part(name: str, lines: StiffnessLines, k: float) -> Complexes:
 
 
 class Misfit(NamedTuple):
-    """The distance of lines from a law.
+    """The distance of lines from a law, or of those of each level, (levels,).
 
     loss, in_phase : root mean squares of (loss of the law)/W − 1 and of the in-phase difference, N/m.
     loss_score, in_phase_score : mean squares of the same in standard errors.
     """
 
-    loss: float
-    in_phase: float
-    loss_score: float
-    in_phase_score: float
+    loss: Any
+    in_phase: Any
+    loss_score: Any
+    in_phase_score: Any
 
     @property
-    def score(self) -> float:
+    def score(self) -> Any:
         """Mean square of both in standard errors."""
         return 0.5 * (self.loss_score + self.in_phase_score)
 
@@ -313,6 +313,12 @@ class StiffnessProblem:
             out[:, j] = (self.residual(more) - self.residual(less)) / (2.0 * steps[j])
         return out
 
+    def derivatives(self, values: Array, free: Mask) -> Array:
+        """Return derivatives of the residual by all unknowns that are free, (2n, p)."""
+        out = self.slopes(values, free)
+        out[:, self.solved] = self.rows(values)[: self.samples]
+        return out
+
     def products(self, values: Array, free: Mask, trail: Any, out: Array) -> bool:
         """Set `out` to the products of derivatives and residuals, as `climb` takes them, with the linear unknowns
         solved for."""
@@ -372,9 +378,7 @@ class StiffnessProblem:
     def by_rows(self, values: Array) -> Array:
         """Return derivatives of the unknowns by the rows of the data in standard errors, (p, 2n)."""
         used = self.used(values)
-        J = self.slopes(values, used)
-        J[:, self.solved] = self.rows(values)[: self.samples]
-        J, L = J[:, used], self.roughness[:, used]
+        J, L = self.derivatives(values, used)[:, used], self.roughness[:, used]
         size = np.linalg.norm(J, axis=0)
         size[size == 0.0] = 1.0
         out = np.zeros((values.size, self.samples))
