@@ -142,7 +142,9 @@ class ContactFit(Fit):
                 f"the law is fitted to amplitudes from {low:.4g} to {high:.4g} m, got {X.min():.4g} to "
                 f"{X.max():.4g} m: keep within them, or measure there"
             )
-        there = self.problem.on(X, np.broadcast_to(omega, X.shape))
+        ones, level = np.ones((2, X.size)), np.zeros(X.size, dtype=np.intp)
+        lines = StiffnessLines(np.broadcast_to(omega, X.shape), X, ones[0] + 0j, level, ("",))
+        there = replace(self.problem, lines=lines, sigma=ones)
         values = np.where(np.isin(self.parameters.names, ("R", "delay")), 0.0, self.point)
         by = there.derivatives(values, self.parameters.free).reshape(2, X.size, -1)
         error = np.sqrt(np.einsum("qni,ij,qnj->qn", by, self.covariance, by))
@@ -273,7 +275,7 @@ def _estimated(
     step, those of the lines are kept.   near : whether this is next to where it starts, with the same smoothing."""
     gradual = problem.contact == "gradual"
     smoothing = problem.smoothing or _LESS * float(np.median(_SMOOTHINGS))
-    problem = replace(problem, smoothing=smoothing * gradual).prepared()
+    problem = replace(problem, smoothing=smoothing * gradual)
     for step in range(steps):
         if step:
             problem = replace(problem, sigma=problem.scatter(problem.start.values))

@@ -125,11 +125,6 @@ class FundamentalFit(OscillatorFit):
     """The oscillator whose fundamentals are closest to those of n records.   problem : a `FundamentalProblem`."""
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Keys of the unknowns."""
-        return self.parameters.keys
-
-    @property
     def law(self) -> Law:
         """The damping law whose coefficients are fitted."""
         law: Law = self.problem.exact.law
@@ -193,14 +188,9 @@ class FundamentalFit(OscillatorFit):
         return math.sqrt(float(np.sum(self.residual**2)) / self.freedom)
 
     def moved(self, relative: Complexes) -> Array:
-        """Return the relative change of the common unknowns, (p, …), with that of the Z of each record, (n, …)."""
-        problem = self.problem
-        part = (relative.T * problem.lines.Z).T
-        rows = np.concatenate(
-            [(part.real.T / problem.sigma[0]).T, (part.imag.T / problem.sigma[1]).T]
-        )
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(((self._by_rows @ rows).T / self.point).T)
+        """Return the change of the unknowns, (p,), with relative ones of the Z of each record, (n,)."""
+        part = relative * self.problem.lines.Z / self.problem.sigma[0]
+        return np.asarray(self._by_rows @ np.concatenate([part.real, part.imag]))
 
 
 def fit_fundamentals(
@@ -251,7 +241,7 @@ def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFi
         return None
     rubs = np.array([name == FRICTION for name in unknowns.names])
     unknowns = replace(unknowns, low=np.where(rubs, 1e-9 * points[0], unknowns.low))
-    problem = replace(problem, start=unknowns).prepared()
+    problem = replace(problem, start=unknowns)
     found = climbs(problem, [problem.climbed.at(point) for point in points], math.inf)
     ends = [end for at in found if (end := _fitted(problem, at.parameters)) is not None]
     if not ends:

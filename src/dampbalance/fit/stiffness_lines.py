@@ -130,8 +130,7 @@ class StiffnessProblem:
     are.   contact : of the model.   sigma : standard errors of the parts of each measured Z, N/m, (2, n).
     k : of the spring, N/m, for what it drives, and for the stiffness itself where that is no unknown.
     of : lines to which an unknown of a group belongs.   nodes : r at which κ of a gradual contact is an unknown, m.
-    smoothing : weight of the second differences of κ.   added : to the Z of the model, N/m, (n,).   as_read : parts of
-    Z of the lines as they are by linear unknowns of unit size, where they are known.
+    smoothing : weight of the second differences of κ.   added : to the Z of the model, N/m, (n,).
     """
 
     lines: StiffnessLines
@@ -143,30 +142,13 @@ class StiffnessProblem:
     nodes: Array = field(default_factory=lambda: np.empty(0))
     smoothing: float = 0.0
     added: Complexes | float = 0.0
-    as_read: Complexes | None = None
 
     def __getitem__(self, kept: Mask) -> Self:
         """The problem of some of the lines."""
         of = {key: mask[kept] for key, mask in self.of.items()}
         added = self.added if isinstance(self.added, float) else self.added[kept]
-        return replace(
-            self,
-            lines=self.lines[kept],
-            sigma=self.sigma[:, kept],
-            of=of,
-            added=added,
-            as_read=self.columns(self.lines)[kept],
-        )
-
-    def on(self, X: Array, omega: Array) -> Self:
-        """Return the problem of lines at other amplitudes, m, and frequencies, rad/s, (n,) each."""
-        ones, level = np.ones(X.size), np.zeros(X.size, dtype=np.intp)
-        lines = StiffnessLines(omega, X, np.asarray(ones + 0j), level, ("",))
-        return replace(self, lines=lines, sigma=np.array([ones, ones]), as_read=None)
-
-    def prepared(self) -> Self:
-        """Return the problem with parts of Z that are computed once."""
-        return replace(self, as_read=self._columns(self.lines))
+        lines, sigma = self.lines[kept], self.sigma[:, kept]
+        return replace(self, lines=lines, sigma=sigma, of=of, added=added)
 
     @property
     def samples(self) -> int:
@@ -231,10 +213,13 @@ class StiffnessProblem:
         R, delay = self._value(values, "R"), self._value(values, "delay")
         return self.lines.of_mode(R, delay) if R or delay else self.lines
 
+    @cached_property
+    def _as_read(self) -> Complexes:
+        return self._columns(self.lines)
+
     def columns(self, mode: StiffnessLines) -> Complexes:
         """Return the parts of Z by linear unknowns of unit size, N/m, (n, p)."""
-        known = self.as_read if mode is self.lines else None
-        return self._columns(mode) if known is None else known
+        return self._as_read if mode is self.lines else self._columns(mode)
 
     def _columns(self, mode: StiffnessLines) -> Complexes:
         out = np.zeros((mode.X.size, len(self.start)), dtype=np.complex128)

@@ -250,14 +250,10 @@ def identify_joint(
     else:
         fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
     first = next(iter(fits.values()))
-    by_force = all(of.table.by_force for of in tables)
-    tested = {
-        name: list(_on_stiffness(fit, of["stiffness_standard_error_N_per_m"] or 0.0))
-        if by_force
-        else []
-        for name, fit in fits.items()
-    }
-    by_base = ~np.array([of.table.by_force for of in tables])[table_of]
+    # of tables that a base drives, the stiffness scales the force
+    tested = all(of.by_force for of in tables)
+    k_error = of["stiffness_standard_error_N_per_m"] or 0.0 if tested else math.inf
+    by_base = ~np.array([of.by_force for of in tables])[table_of]
     check, *implied = [*([compared.finding()] if compared else []), *_rig(first, lines)]
     unknown = {FRICTION: math.inf, "K_z": math.inf}
     unsure = compared is None and len(contacts) > 1
@@ -267,8 +263,7 @@ def identify_joint(
         k=first.value("k"),
         sources=tuple(table.name for table in tables),
         estimates={
-            name: _answer(name, fit, lines, law, compared, tested[name])
-            for name, fit in fits.items()
+            name: _answer(name, fit, lines, law, compared, k_error) for name, fit in fits.items()
         },
         odd=(*uncompared, *_on_stuck(first)),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
@@ -283,9 +278,7 @@ def identify_joint(
 
 def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[StiffnessLines, Integers]:
     """Return all lines of the tables, and the table of each."""
-    levels = [
-        (i, one.table.by_force, of) for i, one in enumerate(tables) for of in one.table.levels
-    ]
+    levels = [(i, one.by_force, of) for i, one in enumerate(tables) for of in one.levels]
     by_base = next((tables[i].name for i, by_force, _ in levels if not by_force), None)
     if by_base and k is None:
         raise ValueError(
@@ -315,10 +308,10 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[StiffnessL
 
 def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Finding]:
     """Yield a finding where the lines contradict the stiffness stated, by the likelihood of the contact with k free."""
-    k, (shown, gain) = fit.value("k"), fit.shown or (0.0, 0.0)
-    if gain <= 0.0:
+    if math.isinf(stiffness_error) or fit.shown is None:
         return
-    error = abs(k - shown) / math.sqrt(gain)
+    k, (shown, gain) = fit.value("k"), fit.shown
+    error = abs(k - shown) / math.sqrt(gain) if gain > 0.0 else math.inf
     if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
         of = {"k": k, "shown": (shown, error), "soft": bool(k < shown)}
         yield Finding("stiffness differs", of, UNBOUNDED)
@@ -338,11 +331,11 @@ def _answer(
     lines: StiffnessLines,
     law: Law,
     compared: ContactComparison | None,
-    tested: Sequence[Finding],
+    k_error: float,
 ) -> Answer:
     """Return the answer of a contact: its numbers, and its rows of the balance, without what other modes add to
     them."""
-    notes, of = [*tested], _of_mode(lines, fit)
+    notes, of = [*_on_stiffness(fit, k_error)], _of_mode(lines, fit)
     if compared is not None and name != compared.supported:
         notes.append(Finding("another contact", {"contact": compared.supported}, UNBOUNDED))
     elif fit.contact == "none":
@@ -410,5 +403,5 @@ def _counted(tables: Sequence[SteppedRecord]) -> list[Finding]:
     """Return a finding for each way in which the tables count their phases."""
     ways: dict[str, list[str]] = {}
     for table in tables:
-        ways.setdefault(table.table.convention, []).append(table.label)
+        ways.setdefault(table.convention, []).append(table.label)
     return [Finding("phases", {"tables": listed(of), "way": way}) for way, of in ways.items()]
