@@ -104,13 +104,13 @@ def test_comparison_finds_one_slider_and_the_gradual_contact():
     one = compare_contacts(lines(corners, 0.01))
     assert one.supported == "one slider"
     assert one.p > 0.05
-    assert one.finding().numbers["enough"] is True
+    assert one.finding.numbers["enough"] is True
     many = compare_contacts(lines(power_law, 0.003))
     assert many.supported == "gradual"
     assert many.p < 0.05
     assert many.held_out["gradual"].loss.size == len(LEVELS)
     assert loss_left(many.fits["one slider"]) > loss_left(many.fits["gradual"])
-    assert many.finding().numbers["enough"] is False
+    assert many.finding.numbers["enough"] is False
 
 
 def test_loss_that_grows_by_damping_is_told_from_a_contact_by_the_stiffness():

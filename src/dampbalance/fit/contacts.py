@@ -61,12 +61,6 @@ class ContactFit(Fit):
     """
 
     @property
-    def contact(self) -> Contact:
-        """The contact of the law."""
-        contact: Contact = self.problem.contact
-        return contact
-
-    @property
     def terms(self) -> tuple[str, ...]:
         """Terms of the damping, the contact apart."""
         return tuple(n for n in self.parameters.names if n not in (*_SPRING, *_OF_CONTACT))
@@ -98,12 +92,12 @@ class ContactFit(Fit):
     def slopes(self) -> dict[str, Array]:
         """Derivatives of the numbers by the unknowns, (p,) each."""
         slopes = dict(zip(self.parameters.keys, np.eye(self.point.size), strict=True))
-        if self.contact == "gradual":
+        if self.problem.contact == "gradual":
             kappa, r = np.array(self.parameters.names) == "kappa", self.all_sliders.r
             for name, power in (("K_z", 0), (FRICTION, 1)):
                 slopes[name] = np.zeros(self.point.size)
                 slopes[name][kappa] = (r**power * (r < self.X_range[1])) @ self.problem.spread
-        elif self.contact == "one slider":
+        elif self.problem.contact == "one slider":
             slopes["K_z"] = -2.0 * self.value("rho") ** -3 * slopes["rho"]
         return slopes
 
@@ -121,7 +115,7 @@ class ContactFit(Fit):
     def interval(self, key: str) -> tuple[float, float]:
         """Return the 95 % interval of a number, in its unit, of what is not negative above 0. The upper end of K_z is
         infinite where lines tell only a lower limit."""
-        if key == "K_z" and self.contact == "one slider":
+        if key == "K_z" and self.problem.contact == "one slider":
             low, high = self.interval("rho")
             return high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
         low, high = super().interval(key)
@@ -357,36 +351,15 @@ class ContactComparison:
     fits : to all lines.   held_out : misfit of each level to the law of the others, in the standard errors of the
     gradual contact.   supported : the simplest one that predicts levels as well as the best does.
     p : probability, for one slider, of a misfit that exceeds that of a gradual contact by as much.
-    indistinguishable : others that predict as well.   by_stiffness : those that predict the loss as well, and not the
-    in-phase rows.
+    finding : which contact it is, what does not distinguish it from others, and those that predict the loss as well,
+    and not the in-phase rows.
     """
 
     fits: Mapping[str, ContactFit]
     held_out: Mapping[str, Misfit]
     supported: str
     p: float
-    indistinguishable: tuple[str, ...]
-    by_stiffness: tuple[str, ...]
-
-    def finding(self) -> Finding:
-        """Return which contact it is, and what does not distinguish it from others."""
-        left = {name: fit.problem.misfit(fit.point) for name, fit in self.fits.items()}
-        chosen, own = self.fits[self.supported], left[self.supported]
-        numbers: dict[str, Any] = {
-            "contact": _WORDS[chosen.contact],
-            "terms": chosen.terms,
-            **{"loss": own.loss, "stiffness": own.in_phase, "others": self.indistinguishable},
-        }
-        if chosen.contact != "none":
-            numbers |= {"p": self.p, "tested": True, "enough": self.supported == "one slider"}
-        numbers["stiffer"] = tuple(
-            Finding(
-                "other contact",
-                {"contact": name, "loss": left[name].loss, "stiffness": left[name].in_phase},
-            )
-            for name in self.by_stiffness
-        )
-        return Finding("contact", numbers)
+    finding: Finding
 
 
 @one_thread
@@ -423,19 +396,29 @@ def compare_contacts(
     best = min(left, key=lambda name: float(np.mean(left[name].score)))
     good = [name for name in left if as_good(left[name].score, left[best].score)]
     supported = "one slider" if good[0] == "gradual" and p > _FALSE_ALARMS else good[0]
-    loss = left[supported].loss_score
-    return ContactComparison(
-        {name: _fit(of) for name, of in own.items()},
-        left,
-        supported,
-        p,
-        tuple(name for name in good if name != supported),
-        tuple(
-            name
+    fits = {name: _fit(of) for name, of in own.items()}
+    numbers: dict[str, Any] = {
+        "contact": _WORDS[own[supported].contact],
+        "terms": fits[supported].terms,
+        **_left(fits[supported]),
+        "others": tuple(name for name in good if name != supported),
+        "stiffer": tuple(
+            Finding("other contact", {"contact": name, **_left(fits[name])})
             for name in left
-            if name not in (supported, *good) and as_good(left[name].loss_score, loss)
+            if name not in (supported, *good)
+            and as_good(left[name].loss_score, left[supported].loss_score)
         ),
-    )
+    }
+    if own[supported].contact != "none":
+        numbers |= {"p": p, "tested": True, "enough": supported == "one slider"}
+    finding = Finding("contact", numbers)
+    return ContactComparison(fits, left, supported, p, finding)
+
+
+def _left(fit: ContactFit) -> dict[str, float]:
+    """Return what a fit leaves of the loss and of the stiffness."""
+    left = fit.problem.misfit(fit.point)
+    return {"loss": left.loss, "stiffness": left.in_phase}
 
 
 def _one_slider_is_enough(one: StiffnessProblem, gradual: StiffnessProblem) -> float:

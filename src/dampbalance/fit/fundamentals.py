@@ -202,15 +202,14 @@ def fit_fundamentals(
     lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
     """
     exact = HarmonicProblem(law or Law(), tuple(lines), k)
-    fit = _with(FundamentalProblem.of_records(exact))
-    while fit is not None:
-        others: list[FundamentalFit | None] = []
-        if _shows(fit):
-            along = [name for name in ("delay", "k_3") if name not in fit.departures]
-            freer = [
-                FundamentalProblem.of_records(exact, (*fit.departures, name)) for name in along
-            ]
-            others = [_with(problem, fit) for problem in freer]
+
+    def along(names: tuple[str, ...], near: Fit | None = None) -> FundamentalFit | None:
+        return _with(FundamentalProblem.of_records(exact, names), near)
+
+    fit = along(())
+    while fit is not None and _shows(fit):
+        freer = [name for name in ("delay", "k_3") if name not in fit.departures]
+        others = [along((*fit.departures, name), fit) for name in freer]
         better = min(filter(None, others), key=lambda one: one.chi_square, default=None)
         if better is None or not _shows(fit, better):
             break
@@ -218,7 +217,7 @@ def fit_fundamentals(
     if fit is None or not fit.rigid or fit.has("delay"):
         return fit
     # a turn of the phase takes off what a contact adds to the stiffness of low levels
-    return _with(FundamentalProblem.of_records(exact, (*fit.departures, "delay")), fit) or fit
+    return along((*fit.departures, "delay"), fit) or fit
 
 
 def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
@@ -249,11 +248,11 @@ def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFi
     problem = min(ends, key=lambda end: end.size)
     drives = {f"Y[{i}]": one.Y for i, one in enumerate(problem.exact.lines, 1)}
     problem = replace(problem, start=problem.start.moved(**drives))
-    at, freedom = problem.start, problem.degrees
+    at, freedom, size = problem.start, problem.degrees, np.abs(problem.lines.Z)
     by = problem.by_rows(at.values) * (problem.scatter(at.values, freedom) / problem.sigma).ravel()
-    fit = FundamentalFit(at, by @ by.T, 0.0, float(freedom.sum()), problem)
-    noise = fit.residual / np.asarray(problem.lines.error)
-    return replace(fit, chi_square=float(np.sum(noise**2)))
+    noise = problem.sigma / (size * problem.lines.error)
+    chi_square = float(np.sum((problem.residual(at.values) * noise.ravel()) ** 2))
+    return FundamentalFit(at, by @ by.T, chi_square, float(freedom.sum()), problem)
 
 
 def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProblem | None:

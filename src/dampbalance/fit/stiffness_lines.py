@@ -167,13 +167,8 @@ class StiffnessProblem:
         """The unknowns, with those free that are not solved for."""
         return replace(self.start, free=self.start.free & ~self.solved)
 
-    @cached_property
-    def _kappa(self) -> list[int]:
-        return [i for i, name in enumerate(self.start.names) if name == "kappa"]
-
-    @cached_property
-    def _friction(self) -> list[int]:
-        return [i for i, name in enumerate(self.start.names) if name == FRICTION]
+    def _places(self, name: str) -> list[int]:
+        return [i for i, own in enumerate(self.start.names) if own == name]
 
     # --- the contact --------------------------------------------------------------------------
 
@@ -183,12 +178,12 @@ class StiffnessProblem:
         no line moves where the last κ is its own."""
         at = np.arange((NODES - 1) * _BETWEEN) / _BETWEEN
         fine = np.exp(np.interp(at, np.arange(NODES), np.log(self.nodes)))
-        return np.append(fine, self.nodes[-1:] if len(self._kappa) > NODES else [])
+        return np.append(fine, self.nodes[-1:] if len(self._places("kappa")) > NODES else [])
 
     @cached_property
     def spread(self) -> Array:
         """κ of these sliders by the unknown κ at the nodes, and by that of the one that is stuck."""
-        stuck = len(self._kappa) > NODES
+        stuck = len(self._places("kappa")) > NODES
         at = np.arange((NODES - 1) * _BETWEEN + stuck) / _BETWEEN
         hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(NODES))), 0.0)
         return np.hstack([hats, np.eye(at.size)[:, -1:]]) if stuck else hats
@@ -196,10 +191,10 @@ class StiffnessProblem:
     def sliders(self, values: Array) -> Sliders:
         """Return the sliders of the contact; of one, the mean over its groups."""
         if self.contact == "gradual":
-            return Sliders(self.r, self.spread @ values[self._kappa])
+            return Sliders(self.r, self.spread @ values[self._places("kappa")])
         if self.contact == "none":
             return Sliders(np.empty(0), np.empty(0))
-        F_k = float(np.mean(values[self._friction]))
+        F_k = float(np.mean(values[self._places(FRICTION)]))
         kappa = values[self.start.places["rho"]] ** -2 * bool(F_k > 0.0)
         return Sliders(np.array([F_k / kappa if kappa else math.inf]), np.array([kappa]))
 
@@ -227,7 +222,7 @@ class StiffnessProblem:
             if name in _LINEAR:
                 out[:, i] = stiffness_part(name, mode, self.k) * self.of.get(key, 1.0)
         if self.contact == "gradual":
-            out[:, self._kappa] = secant(mode.X, self.r) @ self.spread
+            out[:, self._places("kappa")] = secant(mode.X, self.r) @ self.spread
         return out
 
     def law(self, values: Array, mode: StiffnessLines | None = None) -> Complexes:
@@ -238,8 +233,8 @@ class StiffnessProblem:
             Z = Z + self.k
         if self.contact == "one slider":
             rho = self._value(values, "rho")
-            D = secant(mode.X, values[self._friction] * rho**2)
-            for i, at in enumerate(self._friction):
+            D = secant(mode.X, values[self._places(FRICTION)] * rho**2)
+            for i, at in enumerate(self._places(FRICTION)):
                 Z = Z + D[:, i] * self.of.get(self.start.keys[at], 1.0) * rho**-2
         return np.asarray(Z)
 
@@ -261,8 +256,8 @@ class StiffnessProblem:
         """Second differences of κ r^{−1/2} over ln r by the unknowns, in units of the median column of a node."""
         if self.contact != "gradual" or not self.smoothing:
             return np.zeros((0, len(self.start)))
-        nodes = self._kappa[:NODES]
-        own = self.weighted(self.columns(self.lines)[:, self._kappa], self.start.values)
+        nodes = self._places("kappa")[:NODES]
+        own = self.weighted(self.columns(self.lines)[:, self._places("kappa")], self.start.values)
         size = float(np.median(np.linalg.norm(own, axis=0)))
         rough = np.zeros((NODES - 2, len(self.start)))
         second = np.diff(np.eye(NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
@@ -329,7 +324,7 @@ class StiffnessProblem:
         """Return the unknowns with the best of the sliders that are tried."""
         mode = self.mode(values)
         nothing = np.where(self.solved, 0.0, values)
-        nothing[self._friction] = 0.0
+        nothing[self._places(FRICTION)] = 0.0
         A, y = self.rows(nothing), -self.residual(nothing)
         r = np.geomspace(_RIGID * mode.X.min(), mode.X.max(), _TRIED + 1)[:-1]
         best, least = 0, math.inf
@@ -341,7 +336,7 @@ class StiffnessProblem:
             if (chi_square := float(np.sum((whole @ p - y) ** 2))) < least:
                 best, least, kappa = i, chi_square, float(p[-1])
         kappa = max(kappa, _SOFTEST * float(np.abs(mode.Z).max()))
-        nothing[self._friction] = kappa * r[best]
+        nothing[self._places(FRICTION)] = kappa * r[best]
         nothing[self.start.places["rho"]] = kappa**-0.5
         return nothing
 
@@ -357,7 +352,7 @@ class StiffnessProblem:
     def used(self, values: Array) -> Mask:
         """Return the unknowns that a fit has, without κ that are zero, (p,)."""
         nodes = np.zeros(values.size, dtype=np.bool_)
-        nodes[self._kappa] = True
+        nodes[self._places("kappa")] = True
         return np.asarray(self.start.free & ~(nodes & (values <= 0.0)))
 
     def by_rows(self, values: Array) -> Array:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
-from ..arrays import Integers, Mask
+from ..arrays import Integers
 from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
@@ -57,15 +57,13 @@ class SteppedBasis:
     """What the answers to tables of steady responses rest on.
 
     lines : of all tables.   table_of : index of the table that each belongs to, (n,).   fits : of each contact, by
-    name, the one to use first.   compared : which of them the lines support, where there are levels enough.   by_base :
-    lines that a moving base drives, (n,).
+    name, the one to use first.   compared : which of them the lines support, where there are levels enough.
     """
 
     lines: StiffnessLines
     table_of: Integers
     fits: Mapping[str, ContactFit]
     compared: ContactComparison | None
-    by_base: Mask
 
     kind: ClassVar[str] = "stepped-sine"
     mass_tests: ClassVar[bool] = False
@@ -83,7 +81,7 @@ class SteppedBasis:
             compared = {
                 "supported": self.compared.supported,
                 "probability_of_one_slider": self.compared.p,
-                "words": sentence(self.compared.finding(), found.coordinate),
+                "words": sentence(self.compared.finding, found.coordinate),
                 "levels": list(self.lines.names),
                 "loss_rms_of_each_level_left_out": {
                     name: left.loss for name, left in self.compared.held_out.items()
@@ -120,7 +118,8 @@ class SteppedBasis:
         base that moves follows the stiffness."""
         fit, of = self.fits[name], self.lines
         lag, k, X = fault.late * of.omega + fault.angle, 1.0 + fault.stiffness, 1.0 + fault.response
-        force = (1.0 + fault.drive) * np.where(self.by_base, k, 1.0)
+        by_force = np.array(["force" in table.quantities for table in found.records])[self.table_of]
+        force = (1.0 + fault.drive) * np.where(by_force, 1.0, k)
         other = replace(of, X=X * of.X, Z=of.Z * force / X * np.exp(1j * lag))
         known = {"k": k, "m": 1.0 + fault.mass}
         given = {s: p * fit.value(s) for s, p in known.items() if not fit.parameters[s].free}
@@ -253,13 +252,12 @@ def identify_joint(
     # of tables that a base drives, the stiffness scales the force
     tested = all(of.by_force for of in tables)
     k_error = of["stiffness_standard_error_N_per_m"] or 0.0 if tested else math.inf
-    by_base = ~np.array([of.by_force for of in tables])[table_of]
-    check, *implied = [*([compared.finding()] if compared else []), *_rig(first, lines)]
+    check, *implied = [*([compared.finding] if compared else []), *_rig(first, lines)]
     unknown = {FRICTION: math.inf, "K_z": math.inf}
     unsure = compared is None and len(contacts) > 1
     uncompared = [Finding("two levels", effect=unknown)] if unsure else []
     found = Result(
-        basis=SteppedBasis(lines, table_of, fits, compared, by_base),
+        basis=SteppedBasis(lines, table_of, fits, compared),
         k=first.value("k"),
         sources=tuple(table.name for table in tables),
         estimates={
@@ -338,8 +336,8 @@ def _answer(
     notes, of = [*_on_stiffness(fit, k_error)], _of_mode(lines, fit)
     if compared is not None and name != compared.supported:
         notes.append(Finding("another contact", {"contact": compared.supported}, UNBOUNDED))
-    elif fit.contact == "none":
-        notes.append(Finding("no contact", {"why": compared.finding()} if compared else {}))
+    elif fit.problem.contact == "none":
+        notes.append(Finding("no contact", {"why": compared.finding} if compared else {}))
     X, W, sliders = of.X, math.pi * of.X**2 * of.Z.imag, fit.sliders
     terms = {FRICTION: sliders.loss(X) / sliders.F_k} if sliders.F_k else {}
     terms |= {s: term(s).harmonic(of.omega, X, 0.0, 0.0, fit.value("k")) for s in fit.terms}
