@@ -30,7 +30,6 @@ from .stiffness_lines import (
     Misfit,
     StiffnessLines,
     StiffnessProblem,
-    stiffness_part,
 )
 
 _SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
@@ -238,8 +237,8 @@ def _asked(
         raise ValueError(
             f"{lines.X.size} lines are too few for {count} unknowns: add lines or levels, or state stiffness or mass"
         )
-    parts = [stiffness_part(name, lines, k) for name in free]
-    columns = problem.weighted(np.reshape(parts, (len(free), lines.X.size)).T, start.values)
+    own_columns = problem.columns(lines)[:, [start.places[name] for name in free]]
+    columns = problem.weighted(own_columns, start.values)
     size = np.linalg.norm(columns, axis=0)
     if free and np.linalg.svd(columns / size, compute_uv=False)[-1] < _SINGULAR:
         raise ValueError(
