@@ -70,7 +70,7 @@ def require_truth(levels, forces=FORCES, drive=1.0):
 
 
 def levels_of(*records, **options):
-    return [of for record in read_records(list(records), **options) for of in record.table.levels]
+    return [of for record in read_records(list(records), **options) for of in record.levels]
 
 
 MOTIONS = ("displacement", "velocity", "acceleration")
@@ -82,9 +82,9 @@ MOTIONS = ("displacement", "velocity", "acceleration")
 @pytest.mark.parametrize("response", ORDERS)
 def test_phases_are_understood_however_they_are_counted(response, quarters, sign, unit):
     (record,) = read_records(table(response, quarters, sign, unit))
-    require_truth(record.table.levels)
+    require_truth(record.levels)
     way = f"the {MOTIONS[quarters]} {'leads' if sign > 0 else 'lags'} the force"
-    assert record.table.convention == f"its phases are those by which {way}"
+    assert record.convention == f"its phases are those by which {way}"
     assert way in repr(record)
     assert "42 lines at 2 levels" in repr(record)
     with pytest.raises(RecordError, match="is a table of steady responses, without samples"):
@@ -109,8 +109,8 @@ def test_a_base_may_be_given_by_any_motion(order, response, sign):
     del columns["Force amplitude [N]"]
     columns[name] = drive
     (record,) = read_records(columns)
-    assert not record.table.by_force
-    require_truth(record.table.levels, drive=1e-3)
+    assert not record.by_force
+    require_truth(record.levels, drive=1e-3)
 
 
 def test_every_file_of_a_table_gives_the_same_lines(tmp_path):
@@ -153,8 +153,8 @@ SHORT = {
 def test_matrices_of_levels(tmp_path):
     savemat(tmp_path / "a.mat", SHORT)
     (record,) = read_records(tmp_path / "a.mat", mapping={"table": TABLE})
-    require_truth(record.table.levels)
-    assert [of.name for of in record.table.levels] == ["level 1", "level 2"]
+    require_truth(record.levels)
+    assert [of.name for of in record.levels] == ["level 1", "level 2"]
 
 
 def test_structures_of_levels(tmp_path):
@@ -169,8 +169,8 @@ def test_structures_of_levels(tmp_path):
 
     savemat(tmp_path / "a.mat", {"data": {"one": of(0, 1), "two": of(1, 0)}})
     (record,) = read_records(tmp_path / "a.mat", mapping={"table": TABLE})
-    require_truth(record.table.levels, [1.0, 3.0, 3.0, 1.0])
-    assert [of.name for of in record.table.levels] == ["one 1", "one 2", "two 1", "two 2"]
+    require_truth(record.levels, [1.0, 3.0, 3.0, 1.0])
+    assert [of.name for of in record.levels] == ["one 1", "one 2", "two 1", "two 2"]
 
 
 def frequency_response(path: Path, H: np.ndarray, kind: int, unit: str) -> Path:
@@ -234,7 +234,7 @@ def test_a_frequency_response_may_be_in_decibels_and_in_a_file_for_each_level(tm
         file.with_suffix(".csv.yaml").write_text(f"force_N: {force}", encoding="utf-8")
     require_truth(levels_of(*files))
     (both,) = read_records({"force (N)": np.full(HZ.size, 3.0), **of})
-    require_truth(both.table.levels, (3.0,))
+    require_truth(both.levels, (3.0,))
     with pytest.raises(RecordError, match="dB of what"):
         levels_of({"force (N)": HZ, "receptance (dB)": of.pop(name), **of})
 
@@ -245,9 +245,9 @@ def test_a_coherence_gives_the_error_of_each_line():
     error = np.sqrt((1.0 - coherence) / (2.0 * coherence))
     (known,) = read_records({**columns, "coherence": coherence, "averages": np.full(42, 20.0)})
     (weighed,) = read_records({**columns, "coherence": coherence})
-    for own, level in zip(np.split(error, 2), known.table.levels, strict=True):
+    for own, level in zip(np.split(error, 2), known.levels, strict=True):
         np.testing.assert_allclose(level.error, own / math.sqrt(20.0), rtol=1e-12)
-    for own, level in zip(np.split(error, 2), weighed.table.levels, strict=True):
+    for own, level in zip(np.split(error, 2), weighed.levels, strict=True):
         assert np.ptp(level.error / own) < 1e-9 * np.max(level.error / own)
         assert level.error.max() < 1e-5  # weights alone: the scatter has the size
     with pytest.raises(RecordError, match="no coherence"):

@@ -205,7 +205,7 @@ def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
         compared = compare_contacts(lines)
     except ValueError as error:  # a refusal is an outcome, too
         return [{"set": index, "kind": truth.kind, "refused": str(error)}]
-    fit = compared["gradual" if truth.kind == IWAN else "one slider"].fit
+    fit = compared.fits["gradual" if truth.kind == IWAN else "one slider"]
     row: dict[str, object] = {
         "set": index,
         "kind": truth.kind,
@@ -221,7 +221,7 @@ def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
     if isinstance(truth.joint, Slider):
         known = {"F_k": truth.joint.F_k, "K_z": truth.joint.K_z}
         for symbol, true in {**known, "c": truth.c, "k": truth.k, "m": truth.m}.items():
-            low, high = fit.intervals[symbol]
+            low, high = fit.interval(symbol)
             row[symbol] = low <= true <= high
     return [row]
 
@@ -232,12 +232,11 @@ def _bands(truth: Truth, fit: ContactFit) -> dict[str, object]:
     stiffness = np.array([truth.in_phase(x) for x in X])
     omega = np.sqrt(stiffness / truth.m)
     loss = np.array([truth.loss(x, w) for x, w in zip(X, omega, strict=True)])
-    of_loss, of_stiffness = fit.loss(X, omega), fit.stiffness(X)
-    held = [
-        float(np.mean((band.low <= true) & (true <= band.high)))
-        for band, true in ((of_loss, loss), (of_stiffness, stiffness))
-    ]
-    error = float(np.sqrt(np.mean((of_loss.value / loss - 1.0) ** 2)))
+    (Z, reach), (K, reach_of_K) = fit.law(X, omega), fit.law(X, 0.0)
+    of_loss = math.pi * X**2 * Z.imag
+    held = [float(np.mean(np.abs(of_loss - loss) <= math.pi * X**2 * reach.imag))]
+    held.append(float(np.mean(np.abs(K.real - stiffness) <= reach_of_K.real)))
+    error = float(np.sqrt(np.mean((of_loss / loss - 1.0) ** 2)))
     return {"error": error, "loss_held": held[0], "stiffness_held": held[1]}
 
 

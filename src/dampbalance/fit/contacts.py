@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy import special
@@ -30,7 +30,6 @@ from .stiffness_lines import (
     Misfit,
     StiffnessLines,
     StiffnessProblem,
-    stiffness_part,
 )
 
 _SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
@@ -38,7 +37,6 @@ _LESS = 0.1  # part of the smoothing that predicts best
 _LEVELS = 4  # from which on levels are left out to choose it
 _RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
 _ITERATIONS = 4  # of the errors of the lines
-_REPEATS = 3  # of those of changed lines, which start from those of the fit
 _FIRST_ERROR = 0.05  # of Z, where the iteration starts
 _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
@@ -54,44 +52,17 @@ _FALSE_ALARMS = 0.05  # of a gradual contact where one slider is the truth
 _SPRING = ("k", "m", "k_3")
 
 
-class Band(NamedTuple):
-    """A value and its interval of 95 %, each an array: loss per cycle in J, or stiffness in N/m."""
-
-    value: Array
-    low: Array
-    high: Array
-
-
-@dataclass(frozen=True, eq=False)
 class ContactFit(Fit):
-    """A contact and an oscillator identified from lines of dynamic stiffness.
+    """A contact and an oscillator identified from lines of dynamic stiffness: its problem is a `StiffnessProblem`. Its
+    numbers are those of its parameters, with K_z and F_k of the contact that yields at the amplitudes seen.
 
-    problem : a `StiffnessProblem`.   covariance : with the square of the bias that smoothing causes; it is not
-    subtracted, as it is uncertain itself.
+    The covariance has the square of the bias that smoothing causes; it is not subtracted, as it is uncertain itself.
     """
-
-    @property
-    def contact(self) -> Contact:
-        """The contact of the law."""
-        contact: Contact = self.problem.contact
-        return contact
 
     @property
     def terms(self) -> tuple[str, ...]:
         """Terms of the damping, the contact apart."""
         return tuple(n for n in self.parameters.names if n not in (*_SPRING, *_OF_CONTACT))
-
-    @property
-    def given(self) -> dict[str, float]:
-        """Values that are given, SI units."""
-        return {p.name: p.value for p in self.parameters if not p.free}
-
-    @property
-    def values(self) -> dict[str, float]:
-        """k, m, k_3, R and the coefficients of the terms, SI units, the given ones too."""
-        return {
-            p.name: p.value for p in self.parameters if p.name not in (FRICTION, "rho", "kappa")
-        }
 
     @cached_property
     def all_sliders(self) -> Sliders:
@@ -108,17 +79,7 @@ class ContactFit(Fit):
     @property
     def stuck(self) -> float:
         """Stiffness of the contact that slips at none of the amplitudes seen, N/m; 0 unless k is given."""
-        return self.all_sliders.K_z - self.K_z
-
-    @property
-    def K_z(self) -> float:
-        """Stiffness of the contact that yields at the amplitudes seen, N/m."""
-        return self.sliders.K_z
-
-    @property
-    def F_k(self) -> float:
-        """Friction force of the contact that yields at the amplitudes seen, N."""
-        return self.sliders.F_k
+        return self.all_sliders.K_z - self.sliders.K_z
 
     @cached_property
     def X_range(self) -> tuple[float, float]:
@@ -127,102 +88,61 @@ class ContactFit(Fit):
         return float(X.min()), float(X.max())
 
     @cached_property
-    def misfit_of_lines(self) -> Misfit:
-        """Distance of the lines from the law."""
-        misfit: Misfit = self.problem.misfit(self.point)
-        return misfit
-
-    @cached_property
-    def residuals(self) -> Array:
-        """(loss of the law)/W − 1 of each line, (n,)."""
-        mode = self.problem.mode(self.point)
-        return np.asarray(self.problem.law(self.point, mode).imag / mode.Z.imag - 1.0)
-
-    @cached_property
     def slopes(self) -> dict[str, Array]:
-        """Derivatives of the numbers that are not given, F_k and K_z among them, by the unknowns, (p,) each."""
-        unit = np.eye(len(self.parameters))
-        found = {
-            p.name: row
-            for p, row in zip(self.parameters, unit, strict=True)
-            if p.free and p.name not in ("rho", "kappa")
-        }
-        if self.contact == "gradual":
+        """Derivatives of the numbers by the unknowns, (p,) each."""
+        slopes = dict(zip(self.parameters.keys, np.eye(self.point.size), strict=True))
+        if self.problem.contact == "gradual":
             kappa, r = np.array(self.parameters.names) == "kappa", self.all_sliders.r
             for name, power in (("K_z", 0), (FRICTION, 1)):
-                of = (r**power * (r < self.X_range[1])) @ self.problem.spread
-                found[name] = np.zeros(len(self.parameters))
-                found[name][kappa] = of
-        elif self.contact == "one slider":
-            rho = self.parameters.places["rho"]
-            found["K_z"] = -2.0 * self.value("rho") ** -3 * unit[rho]
-        return found
+                slopes[name] = np.zeros(self.point.size)
+                slopes[name][kappa] = (r**power * (r < self.X_range[1])) @ self.problem.spread
+        elif self.problem.contact == "one slider":
+            slopes["K_z"] = -2.0 * self.value("rho") ** -3 * slopes["rho"]
+        return slopes
 
-    @property
-    def _t(self) -> float:
-        return float(special.stdtrit(self.freedom, 0.975))
+    def value(self, key: str) -> float:
+        """Return a number, in its unit."""
+        if key in ("K_z", FRICTION):
+            return self.sliders.K_z if key == "K_z" else self.sliders.F_k
+        return super().value(key)
 
-    @cached_property
-    def errors(self) -> dict[str, float]:
-        """Standard errors of these numbers."""
-        return {name: math.sqrt(by @ self.covariance @ by) for name, by in self.slopes.items()}
-
-    @cached_property
-    def intervals(self) -> dict[str, tuple[float, float]]:
-        """Intervals of 95 % of these numbers. The upper end of K_z is infinite where lines tell only a lower limit."""
-        at = {**self.values, FRICTION: self.F_k, "K_z": self.K_z}
-        ends = {}
-        for name, error in self.errors.items():
-            low = at[name] - self._t * error
-            ends[name] = low if name == "R" else max(low, 0.0), at[name] + self._t * error
-        if self.contact == "one slider":  # by that of ρ
-            low, high = self.interval("rho")
-            ends["K_z"] = high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
-        return ends
-
-    def covariance_of_values(self, *names: str) -> Array:
-        """Return the covariance of numbers by name."""
-        by = np.array([self.slopes[name] for name in names]).reshape(len(names), self.point.size)
+    def covariance_of(self, *keys: str) -> Array:
+        """Return the covariance of some numbers, in their units."""
+        by = np.reshape([self.slopes[key] for key in keys], (len(keys), self.point.size))
         return np.asarray(by @ self.covariance @ by.T)
 
-    def loss(self, X: Array | float, omega: Array | float) -> Band:
-        """Return the energy lost per cycle at amplitudes X, m, and angular frequencies, rad/s, with its interval, J,
-        each (n,).
+    def interval(self, key: str) -> tuple[float, float]:
+        """Return the 95 % interval of a number, in its unit, of what is not negative above 0. The upper end of K_z is
+        infinite where lines tell only a lower limit."""
+        if key == "K_z" and self.problem.contact == "one slider":
+            low, high = self.interval("rho")
+            return high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
+        low, high = super().interval(key)
+        return (low if key == "R" else max(low, 0.0)), high
+
+    def law(self, X: Array, omega: Array | float) -> tuple[Complexes, Complexes]:
+        """Return the dynamic stiffness by the law at amplitudes X, m, and angular frequencies, rad/s, and half of the
+        intervals of 95 % of its real and its imaginary part, N/m, (n,) each: πX² Im Z is the loss per cycle.
+
+        At ω = 0 the error of the real part is mostly that of k. Lines near a resonance tell k and mω² far less well
+        than their difference: at the resonance the interval shows how well the change with X is known.
 
         Raises ValueError outside of the amplitudes seen.
         """
-        Z, reach = self._law(X, omega, np.imag)
-        size = math.pi * np.atleast_1d(X) ** 2
-        return Band(size * Z, size * (Z - reach), size * (Z + reach))
-
-    def stiffness(self, X: Array | float, omega: Array | float = 0.0) -> Band:
-        """Return the stiffness of the fundamental, k + ¾k_3X² − mω² + Σ κ Re D, at amplitudes X, m, with its interval,
-        N/m, each (n,).
-
-        omega : rad/s. At 0 the error is mostly that of k. Lines near a resonance tell k and mω² far less well than
-        their difference: at the resonance the interval shows how well the change with X is known.
-
-        Raises ValueError outside of the amplitudes seen.
-        """
-        Z, reach = self._law(X, omega, np.real)
-        return Band(Z, Z - reach, Z + reach)
-
-    def _law(self, X: Array | float, omega: Array | float, part: Any) -> tuple[Array, Array]:
-        """Return a part of Z by the law, and half of its interval, N/m, (n,) each."""
-        X = np.atleast_1d(np.asarray(X, dtype=np.float64))
         low, high = self.X_range
         if not (X.min() >= low * (1.0 - 1e-9) and X.max() <= high * (1.0 + 1e-9)):
             raise ValueError(
                 f"the law is fitted to amplitudes from {low:.4g} to {high:.4g} m, got {X.min():.4g} to "
                 f"{X.max():.4g} m: keep within them, or measure there"
             )
-        there = self.problem.on(X, np.broadcast_to(np.asarray(omega, dtype=np.float64), X.shape))
+        ones, level = np.ones((2, X.size)), np.zeros(X.size, dtype=np.intp)
+        lines = StiffnessLines(np.broadcast_to(omega, X.shape), X, ones[0] + 0j, level, ("",))
+        there = replace(self.problem, lines=lines, sigma=ones)
         values = np.where(np.isin(self.parameters.names, ("R", "delay")), 0.0, self.point)
-        rows = there.slopes(values, self.parameters.free)
-        rows[:, there.solved] = there.rows(values)[: there.samples]
-        by = part(rows[: X.size] + 1j * rows[X.size :])
-        error = np.sqrt(np.einsum("ni,ij,nj->n", by, self.covariance, by))
-        return np.asarray(part(there.law(values))), self._t * error
+        by = there.derivatives(values, self.parameters.free).reshape(2, X.size, -1)
+        error = np.sqrt(np.einsum("qni,ij,qnj->qn", by, self.covariance, by))
+        reach = special.stdtrit(self.freedom, 0.975) * (error[0] + 1j * error[1])
+        return there.law(values), np.asarray(reach)
 
     @cached_property
     def shown(self) -> tuple[float, float] | None:
@@ -230,36 +150,27 @@ class ContactFit(Fit):
 
         A gradual contact holds a slider that sticks: with it, only a k that is too large is contradicted.
         """
-        if "k" not in self.given:
+        if self.parameters["k"].free:
             return None
-        free = self.problem.start.freed("k").at(self.point)
+        free = self.parameters.freed("k")
         free = replace(free, low=np.where(np.array(free.keys) == "k", 0.0, free.low))
-        more = _estimated(replace(self.problem, start=free), _ITERATIONS)
-        held = more.start.held("k").moved(k=self.value("k"))
-        less = replace(more, start=held)
-        chi = [np.sum(p.residual(p.solve(p.ends([p.climbed]).values)) ** 2) for p in (less, more)]
+        more = _estimated(replace(self.problem, start=free))
+        less = replace(more, start=more.start.held("k").moved(k=self.value("k")))
+        chi = [np.sum(p.residual(p.ends([p.climbed]).values) ** 2) for p in (less, more)]
         return more.start["k"].value, float(chi[0] - chi[1])
 
     @one_thread
-    def changed(self, Z: Complexes, X: float = 1.0, **given: float) -> dict[str, float]:
-        """Return unknowns, K_z and F_k of the fit with the same smoothing to other lines, by name.
-
-        Use it for what gains, phases and given values do to an answer.
-
-        Z, X : factors of each Z, (n,), and of all amplitudes.   given : values instead of those that are given.
-        """
+    def again(self, lines: StiffnessLines, **given: float) -> ContactFit:
+        """Return the fit with the same smoothing to other lines.   given : values instead of those that are given."""
         own = self.problem
-        lines = replace(own.lines, X=X * own.lines.X, Z=Z * own.lines.Z)
-        start = own.start.at(self.point).moved(**given)
-        k = given.get("k", own.k)
         problem = replace(
-            own, lines=lines, start=start, k=k, sigma=np.abs(Z) * own.sigma, nodes=X * own.nodes
-        ).prepared()
-        for _ in range(_REPEATS):
-            problem = replace(problem, start=problem.ends([problem.climbed]))
-            problem = replace(problem, sigma=problem.scatter(problem.start.values))
-        found = _fit(replace(problem, start=problem.ends([problem.climbed])))
-        return found.values | {"K_z": found.K_z, FRICTION: found.F_k}
+            own,
+            lines=lines,
+            start=own.start.moved(**given),
+            k=given.get("k", own.k),
+            nodes=own.nodes * (lines.X.min() / own.lines.X.min()),
+        )
+        return _fit(_estimated(problem, near=True))
 
 
 _OF_CONTACT = (FRICTION, "rho", "kappa", "R", "delay")
@@ -326,8 +237,8 @@ def _asked(
         raise ValueError(
             f"{lines.X.size} lines are too few for {count} unknowns: add lines or levels, or state stiffness or mass"
         )
-    parts = [stiffness_part(name, lines, k) for name in free]
-    columns = problem.weighted(np.reshape(parts, (len(free), lines.X.size)).T, start.values)
+    own_columns = problem.columns(lines)[:, [start.places[name] for name in free]]
+    columns = problem.weighted(own_columns, start.values)
     size = np.linalg.norm(columns, axis=0)
     if free and np.linalg.svd(columns / size, compute_uv=False)[-1] < _SINGULAR:
         raise ValueError(
@@ -350,19 +261,21 @@ def _require_told(name: str, stiffness: float | None) -> None:
         raise ValueError(f"the force of {name} depends on the spring: state stiffness")
 
 
-def _estimated(problem: StiffnessProblem, steps: int = _ITERATIONS) -> StiffnessProblem:
+def _estimated(
+    problem: StiffnessProblem, steps: int = _ITERATIONS, near: bool = False
+) -> StiffnessProblem:
     """Return the problem with its unknowns where they are likeliest, its smoothing and its errors iterated; with one
-    step, those of the lines are kept."""
+    step, those of the lines are kept.   near : whether this is next to where it starts, with the same smoothing."""
+    gradual = problem.contact == "gradual"
     smoothing = problem.smoothing or _LESS * float(np.median(_SMOOTHINGS))
-    problem = replace(problem, smoothing=smoothing * (problem.contact == "gradual")).prepared()
-    starts = _starts(problem)
+    problem = replace(problem, smoothing=smoothing * gradual)
     for step in range(steps):
-        problem = replace(problem, start=problem.ends(starts))
-        if problem.contact == "gradual":
-            problem = _smoothed(problem)
-        if step < steps - 1:
+        if step:
             problem = replace(problem, sigma=problem.scatter(problem.start.values))
-            starts = [problem.climbed, *_starts(problem)]
+        starts = [problem.climbed] * (near or step > 0) + ([] if near else _starts(problem))
+        problem = replace(problem, start=problem.ends(starts))
+        if gradual and not near:
+            problem = _smoothed(problem)
     return problem
 
 
@@ -385,7 +298,7 @@ def _smoothed(problem: StiffnessProblem) -> StiffnessProblem:
     solved."""
     rough = [replace(problem, smoothing=smoothing) for smoothing in _SMOOTHINGS.tolist()]
     if len(problem.lines.names) >= _LEVELS:
-        scores = [float(np.mean([one.score for one in _held_out(of)])) for of in rough]
+        scores = [float(np.mean(_held_out(of).score)) for of in rough]
     else:
         scores = [_generalised(of) for of in rough]
     best = replace(problem, smoothing=_LESS * float(_SMOOTHINGS[int(np.argmin(scores))]))
@@ -402,8 +315,8 @@ def _generalised(problem: StiffnessProblem) -> float:
     return float(np.sum(problem.residual(values) ** 2)) / max(freedom, 1e-9) ** 2
 
 
-def _held_out(problem: StiffnessProblem) -> list[Misfit]:
-    """Return misfit of each level to the law of the others."""
+def _held_out(problem: StiffnessProblem) -> Misfit:
+    """Return misfits of each level to the law of the others, (levels,)."""
     held, found = problem.start, []
     problem = replace(problem, start=held.held("R") if "R" in held else held)
     for level in range(len(problem.lines.names)):
@@ -412,7 +325,7 @@ def _held_out(problem: StiffnessProblem) -> list[Misfit]:
             others = problem[~own]
             at = others.ends([others.climbed, *_starts(others)])
             found.append(problem[own].misfit(at.values))
-    return found
+    return Misfit(*np.transpose(found))
 
 
 def _fit(problem: StiffnessProblem) -> ContactFit:
@@ -432,63 +345,21 @@ def _fit(problem: StiffnessProblem) -> ContactFit:
 
 
 @dataclass(frozen=True, eq=False)
-class ContactTrial:
-    """A contact that was compared.
-
-    name : "gradual", "one slider" or "none" with its terms.   fit : to all lines.   held_out : misfit of each level to
-    the law of the others, in the standard errors of the gradual contact.
-    """
-
-    name: str
-    fit: ContactFit
-    held_out: tuple[Misfit, ...]
-
-    def scores(self, which: str = "score") -> Array:
-        """Return mean square misfit of each level, in standard errors."""
-        return np.array([getattr(misfit, which) for misfit in self.held_out])
-
-    def as_good_as(self, other: ContactTrial, which: str = "score") -> bool:
-        """Return whether levels are predicted as well, within one standard error of the difference."""
-        return as_good(self.scores(which), other.scores(which))
-
-
-@dataclass(frozen=True, eq=False)
 class ContactComparison:
-    """Which contact stepped lines support.
+    """Which contact stepped lines support, of those compared, by name, the simplest first.
 
-    trials : simplest first.
-    supported : name of the simplest one that predicts levels as well as the best does.
+    fits : to all lines.   held_out : misfit of each level to the law of the others, in the standard errors of the
+    gradual contact.   supported : the simplest one that predicts levels as well as the best does.
     p : probability, for one slider, of a misfit that exceeds that of a gradual contact by as much.
-    indistinguishable : others that predict as well.
-    by_stiffness : those that predict the loss as well, and not the in-phase rows.
+    finding : which contact it is, what does not distinguish it from others, and those that predict the loss as well,
+    and not the in-phase rows.
     """
 
-    trials: tuple[ContactTrial, ...]
+    fits: Mapping[str, ContactFit]
+    held_out: Mapping[str, Misfit]
     supported: str
     p: float
-    indistinguishable: tuple[str, ...]
-    by_stiffness: tuple[str, ...]
-
-    def __getitem__(self, name: str) -> ContactTrial:
-        return next(trial for trial in self.trials if trial.name == name)
-
-    def finding(self) -> Finding:
-        """Return which contact it is, and what does not distinguish it from others."""
-        chosen = self[self.supported].fit
-        loss, stiffness = chosen.misfit_of_lines[:2]
-        numbers: dict[str, Any] = {
-            "contact": _WORDS[chosen.contact],
-            "terms": chosen.terms,
-            **{"loss": loss, "stiffness": stiffness, "others": self.indistinguishable},
-        }
-        if self.supported in ("one slider", "gradual"):
-            numbers |= {"p": self.p, "tested": True, "enough": self.supported == "one slider"}
-        others = [(name, self[name].fit.misfit_of_lines) for name in self.by_stiffness]
-        numbers["stiffer"] = tuple(
-            Finding("other contact", {"contact": name, "loss": of.loss, "stiffness": of.in_phase})
-            for name, of in others
-        )
-        return Finding("contact", numbers)
+    finding: Finding
 
 
 @one_thread
@@ -510,37 +381,44 @@ def compare_contacts(
             f"{_COMPARED} at least, or ask for one contact"
         )
     more = [name for name in ("c_2", "c_3") if name not in terms]
-    laws: dict[str, tuple[Contact, tuple[str, ...]]] = {
-        f"none ({', '.join(of)})": ("none", of)
-        for of in ((*terms, *more[:count]) for count in range(len(more) + 1))
-    }
-    laws = dict(sorted([*laws.items(), ("one slider", ("one slider", tuple(terms)))], key=_size))
-    laws["gradual"] = ("gradual", tuple(terms))
-    asked = {n: _asked(lines, contact, of, **options) for n, (contact, of) in laws.items()}
-    own = {name: _estimated(problem) for name, problem in asked.items()}
-    sigma = own["gradual"].sigma
-    alike = {n: _estimated(replace(own[n], sigma=sigma), steps=1) for n in laws}
-    trials = [ContactTrial(n, _fit(own[n]), tuple(_held_out(alike[n]))) for n in laws]
-    p = _one_slider_is_enough(alike["one slider"], alike["gradual"])
-    best = min(trials, key=lambda trial: float(np.mean(trial.scores())))
-    good = [trial for trial in trials if trial.as_good_as(best)]
-    supported = good[0].name
-    if supported == "gradual" and p > _FALSE_ALARMS:
-        supported = "one slider"
-    chosen = next(trial for trial in trials if trial.name == supported)
-    others = [trial for trial in trials if trial.name != supported]
-    by_stiffness = [
-        trial.name
-        for trial in others
-        if trial not in good and trial.as_good_as(chosen, "loss_score")
+    of_none = [(*terms, *more[:count]) for count in range(len(more) + 1)]
+    laws: list[tuple[str, Contact, Sequence[str]]] = [
+        (f"none ({', '.join(of)})", "none", of) for of in of_none
     ]
-    return ContactComparison(
-        tuple(trials),
-        supported,
-        p,
-        tuple(trial.name for trial in others if trial in good),
-        tuple(by_stiffness),
-    )
+    laws.insert(2, ("one slider", "one slider", terms))  # before a damping with as many unknowns
+    laws.append(("gradual", "gradual", terms))
+    own = {name: _asked(lines, contact, of, **options) for name, contact, of in laws}
+    own = {name: _estimated(problem) for name, problem in own.items()}
+    sigma = own["gradual"].sigma
+    alike = {name: _estimated(replace(of, sigma=sigma), steps=1) for name, of in own.items()}
+    left = {name: _held_out(of) for name, of in alike.items()}
+    p = _one_slider_is_enough(alike["one slider"], alike["gradual"])
+    best = min(left, key=lambda name: float(np.mean(left[name].score)))
+    good = [name for name in left if as_good(left[name].score, left[best].score)]
+    supported = "one slider" if good[0] == "gradual" and p > _FALSE_ALARMS else good[0]
+    fits = {name: _fit(of) for name, of in own.items()}
+    numbers: dict[str, Any] = {
+        "contact": _WORDS[own[supported].contact],
+        "terms": fits[supported].terms,
+        **_left(fits[supported]),
+        "others": tuple(name for name in good if name != supported),
+        "stiffer": tuple(
+            Finding("other contact", {"contact": name, **_left(fits[name])})
+            for name in left
+            if name not in (supported, *good)
+            and as_good(left[name].loss_score, left[supported].loss_score)
+        ),
+    }
+    if own[supported].contact != "none":
+        numbers |= {"p": p, "tested": True, "enough": supported == "one slider"}
+    finding = Finding("contact", numbers)
+    return ContactComparison(fits, left, supported, p, finding)
+
+
+def _left(fit: ContactFit) -> dict[str, float]:
+    """Return what a fit leaves of the loss and of the stiffness."""
+    left = fit.problem.misfit(fit.point)
+    return {"loss": left.loss, "stiffness": left.in_phase}
 
 
 def _one_slider_is_enough(one: StiffnessProblem, gradual: StiffnessProblem) -> float:
@@ -551,9 +429,3 @@ def _one_slider_is_enough(one: StiffnessProblem, gradual: StiffnessProblem) -> f
     of_one, of_many = (np.sum(of.refitted(moved)[1] ** 2, axis=1) for of in (one, gradual))
     gain = of_one - of_many
     return float(1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
-
-
-def _size(law: tuple[str, tuple[Contact, tuple[str, ...]]]) -> float:
-    """Return the number of unknowns of a law; one slider comes before a damping with as many."""
-    contact, terms = law[1]
-    return len(terms) + 1.5 * (contact == "one slider")

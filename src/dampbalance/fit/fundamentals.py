@@ -95,12 +95,24 @@ class FundamentalProblem(StiffnessProblem):
         for at, drive in zip(self.exact.at, drives, strict=True):
             bare[at["Y"]] = drive / self.k
         try:
-            moved = [_fundamental(self.exact, bare, i) for i in range(drives.size)]
+            moved = [self._fundamental(bare, i) for i in range(drives.size)]
         except NO_MOTION:
             return None
         there = replace(drawn, X=np.abs(moved), Z=drives / np.array(moved))
         lacks = there.Z - (self.law(bare, there) - self.added)
         return replace(self, start=start, added=lacks)
+
+    def response(self, values: Array, i: int) -> Response:
+        """Return the exact motion of a record.   Raises NO_MOTION."""
+        # next to a stiff contact, a friction as small as its lower limit has no orbit that is found: none has
+        rubs = np.where(np.array(self.start.names) == FRICTION, values > self.start.low, True)
+        return self.exact.response(values * rubs, i)
+
+    def _fundamental(self, values: Array, i: int) -> complex:
+        """Return x_1 of the exact motion of a record, with what the harmonics of its base add, m.   Raises
+        NO_MOTION."""
+        response, base = self.response(values, i), self.exact.lines[i].base
+        return complex(response.harmonics(1)[0] + added_by_base(base, response, 1)[0])
 
     @property
     def size(self) -> float:
@@ -108,20 +120,9 @@ class FundamentalProblem(StiffnessProblem):
         return float(np.linalg.norm(self.residual(self.start.values)))
 
 
-def _fundamental(exact: HarmonicProblem, point: Array, i: int) -> complex:
-    """Return x_1 of the exact motion of a record, with what the harmonics of its base add, m.   Raises NO_MOTION."""
-    response = exact.response(point, i)
-    return complex(response.harmonics(1)[0] + added_by_base(exact.lines[i].base, response, 1)[0])
-
-
 @dataclass(frozen=True, eq=False)
 class FundamentalFit(OscillatorFit):
     """The oscillator whose fundamentals are closest to those of n records.   problem : a `FundamentalProblem`."""
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Keys of the unknowns."""
-        return self.parameters.keys
 
     @property
     def law(self) -> Law:
@@ -179,7 +180,7 @@ class FundamentalFit(OscillatorFit):
     def responses(self) -> tuple[Response, ...]:
         """The motion of each record."""
         records = range(self.residual.shape[1])
-        return tuple(self.problem.exact.response(self.point, i) for i in records)
+        return tuple(self.problem.response(self.point, i) for i in records)
 
     @property
     def scatter(self) -> float:
@@ -187,14 +188,9 @@ class FundamentalFit(OscillatorFit):
         return math.sqrt(float(np.sum(self.residual**2)) / self.freedom)
 
     def moved(self, relative: Complexes) -> Array:
-        """Return the relative change of the common unknowns, (p, …), with that of the Z of each record, (n, …)."""
-        problem = self.problem
-        part = (relative.T * problem.lines.Z).T
-        rows = np.concatenate(
-            [(part.real.T / problem.sigma[0]).T, (part.imag.T / problem.sigma[1]).T]
-        )
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(((self._by_rows @ rows).T / self.point).T)
+        """Return the change of the unknowns, (p,), with relative ones of the Z of each record, (n,)."""
+        part = relative * self.problem.lines.Z / self.problem.sigma[0]
+        return np.asarray(self._by_rows @ np.concatenate([part.real, part.imag]))
 
 
 def fit_fundamentals(
@@ -206,15 +202,14 @@ def fit_fundamentals(
     lines : of n records.   k : stiffness, N/m.   law : default, F_k and c.
     """
     exact = HarmonicProblem(law or Law(), tuple(lines), k)
-    fit = _with(FundamentalProblem.of_records(exact))
-    while fit is not None:
-        others: list[FundamentalFit | None] = []
-        if _shows(fit):
-            along = [name for name in ("delay", "k_3") if name not in fit.departures]
-            freer = [
-                FundamentalProblem.of_records(exact, (*fit.departures, name)) for name in along
-            ]
-            others = [_with(problem, fit) for problem in freer]
+
+    def along(names: tuple[str, ...], near: Fit | None = None) -> FundamentalFit | None:
+        return _with(FundamentalProblem.of_records(exact, names), near)
+
+    fit = along(())
+    while fit is not None and _shows(fit):
+        freer = [name for name in ("delay", "k_3") if name not in fit.departures]
+        others = [along((*fit.departures, name), fit) for name in freer]
         better = min(filter(None, others), key=lambda one: one.chi_square, default=None)
         if better is None or not _shows(fit, better):
             break
@@ -222,7 +217,7 @@ def fit_fundamentals(
     if fit is None or not fit.rigid or fit.has("delay"):
         return fit
     # a turn of the phase takes off what a contact adds to the stiffness of low levels
-    return _with(FundamentalProblem.of_records(exact, (*fit.departures, "delay")), fit) or fit
+    return along((*fit.departures, "delay"), fit) or fit
 
 
 def _shows(fit: FundamentalFit, better: FundamentalFit | None = None) -> bool:
@@ -245,7 +240,7 @@ def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFi
         return None
     rubs = np.array([name == FRICTION for name in unknowns.names])
     unknowns = replace(unknowns, low=np.where(rubs, 1e-9 * points[0], unknowns.low))
-    problem = replace(problem, start=unknowns).prepared()
+    problem = replace(problem, start=unknowns)
     found = climbs(problem, [problem.climbed.at(point) for point in points], math.inf)
     ends = [end for at in found if (end := _fitted(problem, at.parameters)) is not None]
     if not ends:
@@ -253,11 +248,11 @@ def _with(problem: FundamentalProblem, near: Fit | None = None) -> FundamentalFi
     problem = min(ends, key=lambda end: end.size)
     drives = {f"Y[{i}]": one.Y for i, one in enumerate(problem.exact.lines, 1)}
     problem = replace(problem, start=problem.start.moved(**drives))
-    at, freedom = problem.start, problem.degrees
+    at, freedom, size = problem.start, problem.degrees, np.abs(problem.lines.Z)
     by = problem.by_rows(at.values) * (problem.scatter(at.values, freedom) / problem.sigma).ravel()
-    fit = FundamentalFit(at, by @ by.T, 0.0, float(freedom.sum()), problem)
-    noise = fit.residual / np.asarray(problem.lines.error)
-    return replace(fit, chi_square=float(np.sum(noise**2)))
+    noise = problem.sigma / (size * problem.lines.error)
+    chi_square = float(np.sum((problem.residual(at.values) * noise.ravel()) ** 2))
+    return FundamentalFit(at, by @ by.T, chi_square, float(freedom.sum()), problem)
 
 
 def _fitted(problem: FundamentalProblem, start: Parameters) -> FundamentalProblem | None:

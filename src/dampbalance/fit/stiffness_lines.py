@@ -96,19 +96,19 @@ def stiffness_part(name: str, lines: StiffnessLines, k: float) -> Complexes:
 
 
 class Misfit(NamedTuple):
-    """The distance of lines from a law.
+    """The distance of lines from a law, or of those of each level, (levels,).
 
     loss, in_phase : root mean squares of (loss of the law)/W − 1 and of the in-phase difference, N/m.
     loss_score, in_phase_score : mean squares of the same in standard errors.
     """
 
-    loss: float
-    in_phase: float
-    loss_score: float
-    in_phase_score: float
+    loss: Any
+    in_phase: Any
+    loss_score: Any
+    in_phase_score: Any
 
     @property
-    def score(self) -> float:
+    def score(self) -> Any:
         """Mean square of both in standard errors."""
         return 0.5 * (self.loss_score + self.in_phase_score)
 
@@ -130,8 +130,7 @@ class StiffnessProblem:
     are.   contact : of the model.   sigma : standard errors of the parts of each measured Z, N/m, (2, n).
     k : of the spring, N/m, for what it drives, and for the stiffness itself where that is no unknown.
     of : lines to which an unknown of a group belongs.   nodes : r at which κ of a gradual contact is an unknown, m.
-    smoothing : weight of the second differences of κ.   added : to the Z of the model, N/m, (n,).   as_read : parts of
-    Z of the lines as they are by linear unknowns of unit size, where they are known.
+    smoothing : weight of the second differences of κ.   added : to the Z of the model, N/m, (n,).
     """
 
     lines: StiffnessLines
@@ -143,30 +142,13 @@ class StiffnessProblem:
     nodes: Array = field(default_factory=lambda: np.empty(0))
     smoothing: float = 0.0
     added: Complexes | float = 0.0
-    as_read: Complexes | None = None
 
     def __getitem__(self, kept: Mask) -> Self:
         """The problem of some of the lines."""
         of = {key: mask[kept] for key, mask in self.of.items()}
         added = self.added if isinstance(self.added, float) else self.added[kept]
-        return replace(
-            self,
-            lines=self.lines[kept],
-            sigma=self.sigma[:, kept],
-            of=of,
-            added=added,
-            as_read=self.columns(self.lines)[kept],
-        )
-
-    def on(self, X: Array, omega: Array) -> Self:
-        """Return the problem of lines at other amplitudes, m, and frequencies, rad/s, (n,) each."""
-        ones, level = np.ones(X.size), np.zeros(X.size, dtype=np.intp)
-        lines = StiffnessLines(omega, X, np.asarray(ones + 0j), level, ("",))
-        return replace(self, lines=lines, sigma=np.array([ones, ones]), as_read=None)
-
-    def prepared(self) -> Self:
-        """Return the problem with parts of Z that are computed once."""
-        return replace(self, as_read=self._columns(self.lines))
+        lines, sigma = self.lines[kept], self.sigma[:, kept]
+        return replace(self, lines=lines, sigma=sigma, of=of, added=added)
 
     @property
     def samples(self) -> int:
@@ -185,13 +167,8 @@ class StiffnessProblem:
         """The unknowns, with those free that are not solved for."""
         return replace(self.start, free=self.start.free & ~self.solved)
 
-    @cached_property
-    def _kappa(self) -> list[int]:
-        return [i for i, name in enumerate(self.start.names) if name == "kappa"]
-
-    @cached_property
-    def _friction(self) -> list[int]:
-        return [i for i, name in enumerate(self.start.names) if name == FRICTION]
+    def _places(self, name: str) -> list[int]:
+        return [i for i, own in enumerate(self.start.names) if own == name]
 
     # --- the contact --------------------------------------------------------------------------
 
@@ -201,12 +178,12 @@ class StiffnessProblem:
         no line moves where the last κ is its own."""
         at = np.arange((NODES - 1) * _BETWEEN) / _BETWEEN
         fine = np.exp(np.interp(at, np.arange(NODES), np.log(self.nodes)))
-        return np.append(fine, self.nodes[-1:] if len(self._kappa) > NODES else [])
+        return np.append(fine, self.nodes[-1:] if len(self._places("kappa")) > NODES else [])
 
     @cached_property
     def spread(self) -> Array:
         """κ of these sliders by the unknown κ at the nodes, and by that of the one that is stuck."""
-        stuck = len(self._kappa) > NODES
+        stuck = len(self._places("kappa")) > NODES
         at = np.arange((NODES - 1) * _BETWEEN + stuck) / _BETWEEN
         hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(NODES))), 0.0)
         return np.hstack([hats, np.eye(at.size)[:, -1:]]) if stuck else hats
@@ -214,10 +191,10 @@ class StiffnessProblem:
     def sliders(self, values: Array) -> Sliders:
         """Return the sliders of the contact; of one, the mean over its groups."""
         if self.contact == "gradual":
-            return Sliders(self.r, self.spread @ values[self._kappa])
+            return Sliders(self.r, self.spread @ values[self._places("kappa")])
         if self.contact == "none":
             return Sliders(np.empty(0), np.empty(0))
-        F_k = float(np.mean(values[self._friction]))
+        F_k = float(np.mean(values[self._places(FRICTION)]))
         kappa = values[self.start.places["rho"]] ** -2 * bool(F_k > 0.0)
         return Sliders(np.array([F_k / kappa if kappa else math.inf]), np.array([kappa]))
 
@@ -231,10 +208,13 @@ class StiffnessProblem:
         R, delay = self._value(values, "R"), self._value(values, "delay")
         return self.lines.of_mode(R, delay) if R or delay else self.lines
 
+    @cached_property
+    def _as_read(self) -> Complexes:
+        return self._columns(self.lines)
+
     def columns(self, mode: StiffnessLines) -> Complexes:
         """Return the parts of Z by linear unknowns of unit size, N/m, (n, p)."""
-        known = self.as_read if mode is self.lines else None
-        return self._columns(mode) if known is None else known
+        return self._as_read if mode is self.lines else self._columns(mode)
 
     def _columns(self, mode: StiffnessLines) -> Complexes:
         out = np.zeros((mode.X.size, len(self.start)), dtype=np.complex128)
@@ -242,7 +222,7 @@ class StiffnessProblem:
             if name in _LINEAR:
                 out[:, i] = stiffness_part(name, mode, self.k) * self.of.get(key, 1.0)
         if self.contact == "gradual":
-            out[:, self._kappa] = secant(mode.X, self.r) @ self.spread
+            out[:, self._places("kappa")] = secant(mode.X, self.r) @ self.spread
         return out
 
     def law(self, values: Array, mode: StiffnessLines | None = None) -> Complexes:
@@ -253,8 +233,8 @@ class StiffnessProblem:
             Z = Z + self.k
         if self.contact == "one slider":
             rho = self._value(values, "rho")
-            D = secant(mode.X, values[self._friction] * rho**2)
-            for i, at in enumerate(self._friction):
+            D = secant(mode.X, values[self._places(FRICTION)] * rho**2)
+            for i, at in enumerate(self._places(FRICTION)):
                 Z = Z + D[:, i] * self.of.get(self.start.keys[at], 1.0) * rho**-2
         return np.asarray(Z)
 
@@ -276,8 +256,8 @@ class StiffnessProblem:
         """Second differences of κ r^{−1/2} over ln r by the unknowns, in units of the median column of a node."""
         if self.contact != "gradual" or not self.smoothing:
             return np.zeros((0, len(self.start)))
-        nodes = self._kappa[:NODES]
-        own = self.weighted(self.columns(self.lines)[:, self._kappa], self.start.values)
+        nodes = self._places("kappa")[:NODES]
+        own = self.weighted(self.columns(self.lines)[:, self._places("kappa")], self.start.values)
         size = float(np.median(np.linalg.norm(own, axis=0)))
         rough = np.zeros((NODES - 2, len(self.start)))
         second = np.diff(np.eye(NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
@@ -313,6 +293,12 @@ class StiffnessProblem:
             out[:, j] = (self.residual(more) - self.residual(less)) / (2.0 * steps[j])
         return out
 
+    def derivatives(self, values: Array, free: Mask) -> Array:
+        """Return derivatives of the residual by all unknowns that are free, (2n, p)."""
+        out = self.slopes(values, free)
+        out[:, self.solved] = self.rows(values)[: self.samples]
+        return out
+
     def products(self, values: Array, free: Mask, trail: Any, out: Array) -> bool:
         """Set `out` to the products of derivatives and residuals, as `climb` takes them, with the linear unknowns
         solved for."""
@@ -338,7 +324,7 @@ class StiffnessProblem:
         """Return the unknowns with the best of the sliders that are tried."""
         mode = self.mode(values)
         nothing = np.where(self.solved, 0.0, values)
-        nothing[self._friction] = 0.0
+        nothing[self._places(FRICTION)] = 0.0
         A, y = self.rows(nothing), -self.residual(nothing)
         r = np.geomspace(_RIGID * mode.X.min(), mode.X.max(), _TRIED + 1)[:-1]
         best, least = 0, math.inf
@@ -350,7 +336,7 @@ class StiffnessProblem:
             if (chi_square := float(np.sum((whole @ p - y) ** 2))) < least:
                 best, least, kappa = i, chi_square, float(p[-1])
         kappa = max(kappa, _SOFTEST * float(np.abs(mode.Z).max()))
-        nothing[self._friction] = kappa * r[best]
+        nothing[self._places(FRICTION)] = kappa * r[best]
         nothing[self.start.places["rho"]] = kappa**-0.5
         return nothing
 
@@ -366,15 +352,13 @@ class StiffnessProblem:
     def used(self, values: Array) -> Mask:
         """Return the unknowns that a fit has, without κ that are zero, (p,)."""
         nodes = np.zeros(values.size, dtype=np.bool_)
-        nodes[self._kappa] = True
+        nodes[self._places("kappa")] = True
         return np.asarray(self.start.free & ~(nodes & (values <= 0.0)))
 
     def by_rows(self, values: Array) -> Array:
         """Return derivatives of the unknowns by the rows of the data in standard errors, (p, 2n)."""
         used = self.used(values)
-        J = self.slopes(values, used)
-        J[:, self.solved] = self.rows(values)[: self.samples]
-        J, L = J[:, used], self.roughness[:, used]
+        J, L = self.derivatives(values, used)[:, used], self.roughness[:, used]
         size = np.linalg.norm(J, axis=0)
         size[size == 0.0] = 1.0
         out = np.zeros((values.size, self.samples))

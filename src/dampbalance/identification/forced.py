@@ -486,7 +486,7 @@ def _moved(
         return np.asarray(np.sum([reading.moved(mean) for reading, mean in pairs], axis=0))
     Z = [[m.Y[0] / m.x[0, 0] for m in (mean, reading.mean)] for reading, mean in pairs]
     other, own = np.transpose(Z)
-    return np.asarray(fit.moved(other / own - 1.0) * fit.point[: len(fit.names)])[:, None]
+    return fit.moved(other / own - 1.0)[:, None]
 
 
 def _scaled(values: Mapping[str, float], k: float) -> dict[str, float]:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from ..arrays import Array
+from ..arrays import Array, Complexes
 from ..figures.style import DOUBLE_COLUMN, SLIP, STICK, explained, page, place, styled
-from ..fit.contacts import Band, ContactFit
+from ..fit.contacts import ContactFit
 from ..fit.stiffness_lines import StiffnessLines
 from ..records.coordinate import Coordinate
 
@@ -21,11 +20,12 @@ from ..records.coordinate import Coordinate
 def loss(lines: StiffnessLines, fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figure:
     """Return the energy lost per cycle against the amplitude: each line of a table (dots, darker at higher levels), and
     the law of each contact with its band of 95 %, at the median frequency."""
-    omega = float(np.median(lines.omega))
-    laws = {name: partial(fit.loss, omega=omega) for name, fit in fits.items()}
     look = {"yscale": "log", "ylabel": "energy lost per cycle, $W$ (mJ)"}
-    look["xlabel"] = f"amplitude, {coordinate.label('X', 'mm')}"
-    return _against_amplitude(lines, math.pi * lines.X**2 * lines.Z.imag, fits, laws, 1e3, look)
+
+    def of(X: Array, omega: Array | float, Z: Complexes) -> Array:
+        return np.asarray(1e3 * math.pi * X**2 * Z.imag)
+
+    return _against_amplitude(lines, fits, of, coordinate, look)
 
 
 @styled()
@@ -34,16 +34,15 @@ def stiffness(
 ) -> Figure:
     """Return the stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with
     the mass m of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
-    m, omega = next(iter(fits.values())).values["m"], float(np.median(lines.omega))
+    m, look = (
+        next(iter(fits.values())).value("m"),
+        {"ylabel": f"stiffness ({coordinate.unit('N/mm')})"},
+    )
 
-    def law(fit: ContactFit, X: Array) -> Band:
-        return Band(*(of + m * omega**2 for of in fit.stiffness(X, omega)))
+    def of(X: Array, omega: Array | float, Z: Complexes) -> Array:
+        return np.asarray(1e-3 * (Z.real + m * omega**2))
 
-    laws = {name: partial(law, fit) for name, fit in fits.items()}
-    of_lines = lines.Z.real + m * lines.omega**2
-    look = {"ylabel": f"stiffness ({coordinate.unit('N/mm')})"}
-    look["xlabel"] = f"amplitude, {coordinate.label('X', 'mm')}"
-    return _against_amplitude(lines, of_lines, fits, laws, 1e-3, look)
+    return _against_amplitude(lines, fits, of, coordinate, look)
 
 
 @styled()
@@ -64,29 +63,28 @@ def distribution(fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figu
 
 def _against_amplitude(
     lines: StiffnessLines,
-    values: Array,
     fits: Mapping[str, ContactFit],
-    laws: Mapping[str, Callable[[Array], Band]],
-    factor: float,
+    of: Callable[[Array, Array | float, Complexes], Array],
+    coordinate: Coordinate,
     look: Mapping[str, str],
 ) -> Figure:
-    """Return values of the lines, and laws with their bands, all a factor times as large.   look : of the axes."""
+    """Return a quantity of the lines, and of the laws with their bands.   of : amplitude, m, angular frequency, rad/s,
+    and dynamic stiffness, N/m.   look : of the axes."""
     figure = page(DOUBLE_COLUMN, 92.0)
     axes = place(figure, 22.0, 20.0, 150.0, 66.0)
     largest = [lines.X[lines.level == i].max() for i in range(len(lines.names))]
+    values, omega = of(lines.X, lines.omega, lines.Z), float(np.median(lines.omega))
     shades = np.linspace(0.75, 0.15, len(largest))
     for shade, i in zip(shades, np.argsort(largest), strict=True):
         own = lines.level == i
-        axes.plot(1e3 * lines.X[own], factor * values[own], ".", color=str(shade), markersize=2.5)
-    for (name, law), colour in zip(laws.items(), (SLIP, STICK), strict=False):
-        low, high = fits[name].X_range
-        X = np.geomspace(low, high, 200)
-        of = law(X)
-        axes.fill_between(
-            1e3 * X, factor * of.low, factor * of.high, color=colour, alpha=0.25, lw=0
-        )
-        axes.plot(1e3 * X, factor * of.value, color=colour, label=name)
-    axes.set(xscale="log", **look)
+        axes.plot(1e3 * lines.X[own], values[own], ".", color=str(shade), markersize=2.5)
+    for (name, fit), colour in zip(fits.items(), (SLIP, STICK), strict=False):
+        X = np.geomspace(*fit.X_range, 200)
+        Z, reach = fit.law(X, omega)
+        low, value, high = (of(X, omega, one) for one in (Z - reach, Z, Z + reach))
+        axes.fill_between(1e3 * X, low, high, color=colour, alpha=0.25, lw=0)
+        axes.plot(1e3 * X, value, color=colour, label=name)
+    axes.set(xscale="log", xlabel=f"amplitude, {coordinate.label('X', 'mm')}", **look)
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())

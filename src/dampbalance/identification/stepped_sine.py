@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
 import numpy as np
 
-from ..arrays import Integers, Mask
+from ..arrays import Integers
 from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
@@ -57,15 +57,13 @@ class SteppedBasis:
     """What the answers to tables of steady responses rest on.
 
     lines : of all tables.   table_of : index of the table that each belongs to, (n,).   fits : of each contact, by
-    name, the one to use first.   compared : which of them the lines support, where there are levels enough.   by_base :
-    lines that a moving base drives, (n,).
+    name, the one to use first.   compared : which of them the lines support, where there are levels enough.
     """
 
     lines: StiffnessLines
     table_of: Integers
     fits: Mapping[str, ContactFit]
     compared: ContactComparison | None
-    by_base: Mask
 
     kind: ClassVar[str] = "stepped-sine"
     mass_tests: ClassVar[bool] = False
@@ -73,7 +71,7 @@ class SteppedBasis:
 
     def _of_mode(self, found: Result[Any]) -> StiffnessLines:
         """Return the lines without what other modes add to them, by the fit of the answer."""
-        return self.lines.of_mode(self.fits[found.answer.name].values.get("R", 0.0))
+        return _of_mode(self.lines, self.fits[found.answer.name])
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return which contact the lines support, by how each predicts levels that are left out; their sliders; the
@@ -83,14 +81,13 @@ class SteppedBasis:
             compared = {
                 "supported": self.compared.supported,
                 "probability_of_one_slider": self.compared.p,
-                "words": sentence(self.compared.finding(), found.coordinate),
+                "words": sentence(self.compared.finding, found.coordinate),
                 "levels": list(self.lines.names),
                 "loss_rms_of_each_level_left_out": {
-                    trial.name: [of.loss for of in trial.held_out] for trial in self.compared.trials
+                    name: left.loss for name, left in self.compared.held_out.items()
                 },
                 "in_phase_rms_of_each_level_left_out_N_per_m": {
-                    trial.name: [of.in_phase for of in trial.held_out]
-                    for trial in self.compared.trials
+                    name: left.in_phase for name, left in self.compared.held_out.items()
                 },
             }
         return {
@@ -119,13 +116,16 @@ class SteppedBasis:
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
         """Return the numbers of an answer from lines with a fault, whatever is given staying as it is. The force of a
         base that moves follows the stiffness."""
-        fit, lag = self.fits[name], fault.late * self.lines.omega + fault.angle
-        k, X = 1.0 + fault.stiffness, 1.0 + fault.response
-        force = (1.0 + fault.drive) * np.where(self.by_base, k, 1.0)
+        fit, of = self.fits[name], self.lines
+        lag, k, X = fault.late * of.omega + fault.angle, 1.0 + fault.stiffness, 1.0 + fault.response
+        by_force = np.array(["force" in table.quantities for table in found.records])[self.table_of]
+        force = (1.0 + fault.drive) * np.where(by_force, 1.0, k)
+        other = replace(of, X=X * of.X, Z=of.Z * force / X * np.exp(1j * lag))
         known = {"k": k, "m": 1.0 + fault.mass}
-        given = {s: known[s] * p for s, p in fit.given.items() if s in known}
-        values = fit.changed(force / X * np.exp(1j * lag), X, **given)
-        return {s: values[s] for s in (*found.estimates[name].parameters, "m") if s in values}
+        given = {s: p * fit.value(s) for s, p in known.items() if not fit.parameters[s].free}
+        again = fit.again(other, **given)
+        symbols = (*found.estimates[name].parameters, "m")
+        return {s: again.value(s) for s in symbols if s in again.slopes}
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
         """Return the energy lost per cycle and the in-phase stiffness over the amplitude, and the sliders."""
@@ -176,8 +176,9 @@ def damping_at(found: Result[SteppedBasis], X: ArrayLike, frequency_hz: ArrayLik
     measured = (low <= X) & (high >= X)
     ratios = np.full((3, X.size), math.nan)
     if measured.any():
-        size = 2.0 * math.pi * fit.values["m"] * (omega * X)[measured] ** 2
-        ratios[:, measured] = fit.loss(X[measured], omega[measured]) / size
+        Z, reach = fit.law(X[measured], omega[measured])
+        size = 2.0 * fit.value("m") * omega[measured] ** 2
+        ratios[:, measured] = np.array([Z, Z - reach, Z + reach]).imag / size
     columns = dict(zip(("damping_ratio", "low", "high"), ratios, strict=True))
     return pd.DataFrame({"X_m": X, **columns})
 
@@ -242,29 +243,25 @@ def identify_joint(
     contacts, compared = _CONTACTS if contact == "both" else (contact,), None
     if contact == "both" and len(lines.names) > 2:
         compared = compare_contacts(lines, **asked)
-        fits = {name: compared[name].fit for name in dict.fromkeys([compared.supported, *contacts])}
+        fits = {
+            name: compared.fits[name] for name in dict.fromkeys([compared.supported, *contacts])
+        }
     else:
         fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
     first = next(iter(fits.values()))
-    by_force = all(of.table.by_force for of in tables)
-    tested = {
-        name: list(_on_stiffness(fit, of["stiffness_standard_error_N_per_m"] or 0.0))
-        if by_force
-        else []
-        for name, fit in fits.items()
-    }
-    by_base = ~np.array([of.table.by_force for of in tables])[table_of]
-    check, *implied = [*([compared.finding()] if compared else []), *_rig(first, lines)]
+    # of tables that a base drives, the stiffness scales the force
+    tested = all(of.by_force for of in tables)
+    k_error = of["stiffness_standard_error_N_per_m"] or 0.0 if tested else math.inf
+    check, *implied = [*([compared.finding] if compared else []), *_rig(first, lines)]
     unknown = {FRICTION: math.inf, "K_z": math.inf}
     unsure = compared is None and len(contacts) > 1
     uncompared = [Finding("two levels", effect=unknown)] if unsure else []
     found = Result(
-        basis=SteppedBasis(lines, table_of, fits, compared, by_base),
-        k=first.values["k"],
+        basis=SteppedBasis(lines, table_of, fits, compared),
+        k=first.value("k"),
         sources=tuple(table.name for table in tables),
         estimates={
-            name: _answer(name, fit, lines, law, compared, tested[name])
-            for name, fit in fits.items()
+            name: _answer(name, fit, lines, law, compared, k_error) for name, fit in fits.items()
         },
         odd=(*uncompared, *_on_stuck(first)),
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
@@ -279,9 +276,7 @@ def identify_joint(
 
 def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[StiffnessLines, Integers]:
     """Return all lines of the tables, and the table of each."""
-    levels = [
-        (i, one.table.by_force, of) for i, one in enumerate(tables) for of in one.table.levels
-    ]
+    levels = [(i, one.by_force, of) for i, one in enumerate(tables) for of in one.levels]
     by_base = next((tables[i].name for i, by_force, _ in levels if not by_force), None)
     if by_base and k is None:
         raise ValueError(
@@ -311,10 +306,10 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[StiffnessL
 
 def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Finding]:
     """Yield a finding where the lines contradict the stiffness stated, by the likelihood of the contact with k free."""
-    k, (shown, gain) = fit.values["k"], fit.shown or (0.0, 0.0)
-    if gain <= 0.0:
+    if math.isinf(stiffness_error) or fit.shown is None:
         return
-    error = abs(k - shown) / math.sqrt(gain)
+    k, (shown, gain) = fit.value("k"), fit.shown
+    error = abs(k - shown) / math.sqrt(gain) if gain > 0.0 else math.inf
     if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
         of = {"k": k, "shown": (shown, error), "soft": bool(k < shown)}
         yield Finding("stiffness differs", of, UNBOUNDED)
@@ -322,7 +317,7 @@ def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Finding]:
 
 def _on_stuck(fit: ContactFit) -> Iterator[Finding]:
     """Yield a finding where a contact that sticks in every line makes up for a stiffness stated too small."""
-    k = fit.values["k"]
+    k = fit.value("k")
     if fit.stuck > _FELT * k:
         of = {"k": k, "shown": k + fit.stuck, "stuck": fit.stuck}
         yield Finding("sticks in every line", of)
@@ -334,77 +329,77 @@ def _answer(
     lines: StiffnessLines,
     law: Law,
     compared: ContactComparison | None,
-    tested: Sequence[Finding],
+    k_error: float,
 ) -> Answer:
     """Return the answer of a contact: its numbers, and its rows of the balance, without what other modes add to
     them."""
-    notes, of = [*tested], lines.of_mode(fit.values.get("R", 0.0))
+    notes, of = [*_on_stiffness(fit, k_error)], _of_mode(lines, fit)
     if compared is not None and name != compared.supported:
         notes.append(Finding("another contact", {"contact": compared.supported}, UNBOUNDED))
-    elif fit.contact == "none":
-        notes.append(Finding("no contact", {"why": compared.finding()} if compared else {}))
-    X, W = of.X, math.pi * of.X**2 * of.Z.imag
-    terms = {FRICTION: fit.sliders.loss(X) / fit.F_k} if fit.F_k else {}
-    terms |= {s: term(s).harmonic(of.omega, X, 0.0, 0.0, fit.values["k"]) for s in fit.terms}
+    elif fit.problem.contact == "none":
+        notes.append(Finding("no contact", {"why": compared.finding} if compared else {}))
+    X, W, sliders = of.X, math.pi * of.X**2 * of.Z.imag, fit.sliders
+    terms = {FRICTION: sliders.loss(X) / sliders.F_k} if sliders.F_k else {}
+    terms |= {s: term(s).harmonic(of.omega, X, 0.0, 0.0, fit.value("k")) for s in fit.terms}
     rows = Rows(terms, W, given=law.given)
     hertz = (lines.omega / (2.0 * math.pi)).tolist()
     names = tuple(lines.names[i] for i in lines.level)
-    unknowns = dict.fromkeys(
-        [*(s for s in law.unknowns), *(s for s in fit.terms if s not in law.given), "K_z"]
-    )
+    unknowns = dict.fromkeys([*law.unknowns, *(s for s in fit.terms if s not in law.given), "K_z"])
     parameters = {symbol: _estimate(symbol, fit) for symbol in unknowns}
-    misfit = fit.misfit_of_lines
+    misfit = fit.problem.misfit(fit.point)
+    left = rows.misfit({symbol: fit.value(symbol) for symbol in terms})
     merit: dict[str, Any] = {
-        "residual": float(np.linalg.norm(fit.residuals * W) / np.linalg.norm(W)),
+        "residual": float(np.linalg.norm(left) / np.linalg.norm(W)),
         "misfit": misfit.score,
         "loss_rms": misfit.loss,
         "in_phase_rms_N_per_m": misfit.in_phase,
     }
     for symbol, unit in _SPRING_UNITS.items():
-        if symbol in fit.values:
-            merit[f"{symbol}_{unit}"] = fit.values[symbol]
-            merit[f"{symbol}_standard_error_{unit}"] = fit.errors.get(symbol, 0.0)
+        if symbol in fit.parameters:
+            merit[f"{symbol}_{unit}"] = fit.value(symbol)
+            merit[f"{symbol}_standard_error_{unit}"] = fit.error(symbol)
     bounded = [s for s, p in parameters.items() if math.isfinite(p.standard_error)]
-    covariance = fit.covariance_of_values(*bounded)
-    return Answer(
-        *(name, parameters, covariance_of(parameters, bounded, covariance), tuple(notes)),
-        Balance(rows, misfit.loss * W, names, {"frequency_Hz": hertz}),
-        merit=merit,
-    )
+    covariance = covariance_of(parameters, bounded, fit.covariance_of(*bounded))
+    balance = Balance(rows, misfit.loss * W, names, {"frequency_Hz": hertz})
+    return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
 _SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
 
 
+def _of_mode(lines: StiffnessLines, fit: ContactFit) -> StiffnessLines:
+    """Return the lines without what other modes add to them, by a fit."""
+    return lines.of_mode(fit.value("R") if "R" in fit.parameters else 0.0)
+
+
 def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     """Return a number of a fit: F_k and K_z of the sliders that slip at the amplitudes seen, or a coefficient."""
-    if symbol not in fit.intervals:
+    if symbol not in fit.slopes:
         return UNKNOWN
-    interval = Interval(*fit.intervals[symbol])
+    interval = Interval(*fit.interval(symbol))
     if math.isinf(interval.high):
         return ParameterEstimate(math.inf, math.nan, interval)
-    value = {"K_z": fit.K_z, FRICTION: fit.F_k}.get(symbol, fit.values.get(symbol, math.nan))
-    return ParameterEstimate(value, fit.errors[symbol], interval)
+    return ParameterEstimate(fit.value(symbol), fit.error(symbol), interval)
 
 
 def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:
     """Yield findings on the rig that the fit implies."""
-    k, m = fit.values["k"], fit.values["m"]
-    own = {s: (fit.values[s], fit.errors.get(s, 0.0)) for s in ("m", "k")}
-    if fit.F_k:
+    own = {s: (fit.value(s), fit.error(s)) for s in _SPRING_UNITS if s in fit.parameters}
+    k, m, k_3, R = (own.get(s, (0.0, 0.0)) for s in _SPRING_UNITS)
+    if fit.sliders.F_k:
         yield Finding("part that slips", {"X": float(fit.X_range[1])})
-    hertz = math.sqrt((k + fit.stuck) / m) / (2.0 * math.pi)
-    yield Finding("oscillator of lines", {**own, "hertz": hertz})
-    if fit.values.get("k_3"):
-        yield Finding("hardens", {"k_3": (fit.values["k_3"], fit.errors["k_3"])})
-    if R := fit.values.get("R"):
-        mass = 1.0 / (abs(R) * float(np.median(lines.omega)) ** 2)
-        yield Finding("other modes", {"R": R, "mass": mass if R < 0.0 else 0.0})
+    hertz = math.sqrt((k[0] + fit.stuck) / m[0]) / (2.0 * math.pi)
+    yield Finding("oscillator of lines", {"m": m, "k": k, "hertz": hertz})
+    if k_3[0]:
+        yield Finding("hardens", {"k_3": k_3})
+    if R[0]:
+        mass = 1.0 / (abs(R[0]) * float(np.median(lines.omega)) ** 2)
+        yield Finding("other modes", {"R": R[0], "mass": mass if R[0] < 0.0 else 0.0})
 
 
 def _counted(tables: Sequence[SteppedRecord]) -> list[Finding]:
     """Return a finding for each way in which the tables count their phases."""
     ways: dict[str, list[str]] = {}
     for table in tables:
-        ways.setdefault(table.table.convention, []).append(table.label)
+        ways.setdefault(table.convention, []).append(table.label)
     return [Finding("phases", {"tables": listed(of), "way": way}) for way, of in ways.items()]

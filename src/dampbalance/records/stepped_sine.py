@@ -85,22 +85,31 @@ class SteppedLevel:
     rows: Integers
 
 
-@dataclass(frozen=True, eq=False)
-class SteppedTable:
-    """A table of steady responses.
+@dataclass(frozen=True, eq=False, repr=False)
+class SteppedRecord(Record):
+    """A table of steady responses to a stepped sine as one of the records of `read_records`; it has no samples.
 
-    levels : of excitation.   quantities : that its columns hold, drive and response.   convention : how its phases are
+    levels : of excitation.   held : drive and response, as its columns hold them.   convention : how its phases are
     counted, in words.
     """
 
-    levels: tuple[SteppedLevel, ...]
-    quantities: tuple[str, str]
-    convention: str
+    channels: Mapping[str, Channel] = field(default_factory=lambda: ReadOnly({}))
+    levels: tuple[SteppedLevel, ...] = field(kw_only=True)
+    held: tuple[str, str] = field(kw_only=True)
+    convention: str = field(kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Require no channels."""
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What its columns hold."""
+        return self.held
 
     @property
     def by_force(self) -> bool:
         """Whether a force drives; the base otherwise."""
-        return self.quantities[0] == "force"
+        return self.held[0] == "force"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the lines: level, frequency_Hz, force_N or base_displacement_m, displacement_m, phase_rad (of the
@@ -115,59 +124,24 @@ class SteppedTable:
         frame.insert(0, "level", np.repeat([of.name for of in self.levels], sizes))
         return frame
 
-
-@dataclass(frozen=True, eq=False, repr=False)
-class SteppedRecord(Record):
-    """A table of steady responses to a stepped sine as one of the records of `read_records`; it has no samples.
-
-    table : its lines.
-    """
-
-    channels: Mapping[str, Channel] = field(default_factory=lambda: ReadOnly({}))
-    table: SteppedTable = field(kw_only=True)
-
-    def __post_init__(self) -> None:
-        """Require no channels."""
-
-    @property
-    def quantities(self) -> tuple[str, ...]:
-        """What its columns hold."""
-        return self.table.quantities
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return the lines: see `SteppedTable`."""
-        return self.table.to_frame()
-
     def corrected(self) -> Record:
         """Raise RecordError: it has no channels."""
         raise RecordError(
-            f"{self.name} is a table of steady responses, without samples; use its lines, `table`"
+            f"{self.name} is a table of steady responses, without samples; use its lines, `levels`"
         )
 
     def __repr__(self) -> str:
         """Lines, levels and convention, in a line."""
-        sizes = [of.X.size for of in self.table.levels]
+        sizes = [of.X.size for of in self.levels]
         levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
-        return f"<table {self.name}: {levels}; {self.table.convention}>"
+        return f"<table {self.name}: {levels}; {self.convention}>"
 
 
 def read_lines(
     file: Table, rules: RecordMapping, label: str, stated: bool = False
 ) -> SteppedRecord | None:
-    """Return the record of an open file that is a table of steady responses, as stated or by its columns; None for
-    another.
-
-    Raises RecordError as `read_table`.
-    """
-    if not (stated or is_table_of_lines(file, rules)):
-        return None
-    label = visible(rules.level or label)
-    table = read_table(file, rules, label)
-    return SteppedRecord(str(file.path), label=label, rules=rules, table=table)
-
-
-def read_table(file: Table, rules: RecordMapping, label: str) -> SteppedTable:
-    """Return the table in an open file, in SI units.
+    """Return the record of an open file that is a table of steady responses, as stated or by its columns, in SI units;
+    None for another.
 
     rules : what the file does not say.   label : of a level that has no name of its own.
 
@@ -175,7 +149,9 @@ def read_table(file: Table, rules: RecordMapping, label: str) -> SteppedTable:
     missing or wrong, a value that is missing, an amplitude that is not positive, frequencies of a level that turn or
     stand, a constant column, phases in another unit than is stated, lines with phases of another convention.
     """
-    return _Table(file, rules).read(label)
+    if not (stated or is_table_of_lines(file, rules)):
+        return None
+    return _Table(file, rules).read(visible(rules.level or label))
 
 
 class _Table:
@@ -246,7 +222,7 @@ class _Table:
             return 2.0 * math.pi * factor
         return math.sqrt(2.0) * factor if "rms" in words_of(raw.name) else factor
 
-    def read(self, label: str) -> SteppedTable:
+    def read(self, label: str) -> SteppedRecord:
         """Return the table, with the lag φ of the displacement in each line."""
         levels = [*self._levels(label)]
         phases = np.concatenate([level.phi for level in levels])
@@ -262,10 +238,14 @@ class _Table:
         quarters, sign, phis = self._convention(levels, 3 if by_force else 4)
         against = "force" if by_force else "base velocity" if quarters == 3 else "base displacement"
         moved = (*ABSOLUTE, "displacement")[quarters]
-        return SteppedTable(
-            tuple(replace(level, phi=phi) for level, phi in zip(levels, phis, strict=True)),
-            (self.drive or "force", self.answer),
-            f"its phases are those by which the {moved} {'leads' if sign > 0 else 'lags'} the {against}",
+        way = f"the {moved} {'leads' if sign > 0 else 'lags'} the {against}"
+        return SteppedRecord(
+            str(self.file.path),
+            label=label,
+            rules=self.rules,
+            levels=tuple(replace(of, phi=phi) for of, phi in zip(levels, phis, strict=True)),
+            held=(self.drive or "force", self.answer),
+            convention=f"its phases are those by which {way}",
         )
 
     def _levels(self, label: str) -> Iterator[SteppedLevel]:
