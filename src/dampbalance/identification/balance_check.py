@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..fit.fit import OscillatorFit
 from ..law.terms import FRICTION, term
