@@ -100,7 +100,7 @@ def test_the_records_share_what_no_single_one_resolves():
     lengths = found.basis.features.X + found.basis.features.X_s
     assert lengths == pytest.approx([lengths[0]] * 5, rel=1e-9)
     off = 2.0 * found.basis.common.fit.F_k * found.basis.common.fit.error("rho") ** 2
-    assert lengths[0] == pytest.approx(found.basis.microstick.length - off, rel=1e-9)
+    assert lengths[0] == pytest.approx(found.document()["microstick"]["length_m"] - off, rel=1e-9)
     assert found.findings == []
 
 

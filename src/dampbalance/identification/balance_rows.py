@@ -111,6 +111,7 @@ def solved(
     size = np.linalg.norm(white[:, 1:], axis=0)
     inverse = np.linalg.pinv(white[:, 1:] / size) / size[:, None] @ root
     of_values = np.array([inverse @ part @ inverse.T for part in parts])
+    of_values = 0.5 * (of_values + of_values.transpose(0, 2, 1))  # to the last bit
     estimates = {
         key: estimate_of(value, of_values[:, j, j], freedoms)
         for j, (key, value) in enumerate(found.items())
