@@ -39,6 +39,20 @@ def test_the_guide_names_what_is_there():
     assert [path for path in paths if not any((place / path).exists() for place in places)] == []
 
 
+@pytest.mark.parametrize("folder", ["trials", "examples", "paper", "workflow"])
+def test_programs_import_what_the_package_has(folder):
+    names = {
+        (node.module, name.name)
+        for path in (ROOT / folder).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("dampbalance")
+        for name in node.names
+    }
+    assert names
+    for module, name in sorted(names):
+        assert f"{module}.{name}" in MODULES or hasattr(import_module(module), name), (module, name)
+
+
 def test_no_import_runs_in_a_circle():
     runs = {m: imported(m, path, types=False) - FACE for m, path in MODULES.items()}
     TopologicalSorter(runs).prepare()

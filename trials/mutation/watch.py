@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from dampbalance.motion import jit
+from dampbalance import jit
 
 MEMORY = 6 << 30  # bytes that tests may ask for
 PACKAGE = os.environ["MUTATION_PACKAGE"] + os.sep
