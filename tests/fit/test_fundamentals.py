@@ -12,7 +12,7 @@ from blind.other_motion import Departure, steady
 from dampbalance.fit.contacts import fit_contact
 from dampbalance.fit.fundamentals import fit_fundamentals, stiffness_lines
 from dampbalance.law.contact import Sliders
-from dampbalance.signals.lines import Lines
+from dampbalance.signals.record_harmonics import RecordHarmonics
 
 M, C, K, K_Z, F_K, HZ = 2.0, 4.0, 2000.0, 30000.0, 0.4, 4.6
 LEVELS = (1e-3, 1.6e-3, 2.5e-3, 4e-3)
@@ -32,7 +32,7 @@ def lines_of(departure, levels=LEVELS, turn=0.0, second_mode=0.0, seed=0):
         x *= np.exp(-1j * n * turn)
         error = NOISE * abs(x[0])
         x += error * (random.standard_normal(n.size) + 1j * random.standard_normal(n.size))
-        lines.append(Lines(omega, Y, NOISE * Y, n, x, np.full(n.size, error), 40))
+        lines.append(RecordHarmonics(omega, Y, NOISE * Y, n, x, np.full(n.size, error), 40))
     return lines
 
 
@@ -72,7 +72,7 @@ def test_lines_that_no_friction_explains_have_a_fit(c):
         Z = K + 7.5e6 * X**2 - M * omega**2 + 1j * (omega * c - 0.4 / (math.pi * X))
         x, error = np.array([X * np.exp(-1j * np.angle(Z))]), np.array([NOISE * X])
         Y = abs(Z) * X / K
-        lines.append(Lines(omega, Y, NOISE * Y, np.array([1]), x, error, 40))
+        lines.append(RecordHarmonics(omega, Y, NOISE * Y, np.array([1]), x, error, 40))
     fit = fit_fundamentals(lines, K)
     assert fit.rigid
     assert 0.0 < fit.F_k < 1e-6
@@ -102,7 +102,7 @@ def test_fundamentals_have_the_loss_of_a_contact_that_yields_gradually():
     for Y in np.geomspace(2e-4, 4e-3, 8).tolist():
         motion = steady_on(rows, M, C, K, Y, omega)
         x = 2.0 * np.fft.rfft(motion(phases)[0])[1:2] / 4096
-        lines.append(Lines(omega, Y, NOISE * Y, np.array([1]), x, NOISE * np.abs(x), 40))
+        lines.append(RecordHarmonics(omega, Y, NOISE * Y, np.array([1]), x, NOISE * np.abs(x), 40))
     each = stiffness_lines(lines, K)
     known = {"given": {"c": C}, "stiffness": K, "mass": M, "hardening": False}
     fit = fit_contact(each, contact="gradual", **known)

@@ -18,8 +18,8 @@ from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import common_fit
 from dampbalance.law.law import Law
 from dampbalance.records.coordinate import TRANSLATION
-from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import read_features
+from dampbalance.signals.record_harmonics import RecordHarmonics
 from identification.levels import THREE, changed, measured
 from paper_case import LEVELS, PAPER
 
@@ -52,7 +52,7 @@ def lines_of(
         x, base = reads(n, clean(F_k, Y, departure, c, omega), Y)
         error = noise * abs(x[0])
         x = x + error * (random.standard_normal(n.size) + 1j * random.standard_normal(n.size))
-        lines.append(Lines(omega, base, noise * Y, n, x, np.full(n.size, error), 40))
+        lines.append(RecordHarmonics(omega, base, noise * Y, n, x, np.full(n.size, error), 40))
     return lines
 
 

@@ -22,8 +22,8 @@ from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, law_decay
 from dampbalance.motion.law_steady import Further, steady_response
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
-from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import read_features
+from dampbalance.signals.record_harmonics import RecordHarmonics
 from identification.gradual_contacts import OMEGA, contact_of, harmonics_on
 from paper_case import LEVELS, PAPER
 
@@ -40,7 +40,7 @@ def lines_of(clean, noise, random):
         drawn = random.standard_normal((2, x.size)) * sizes[1]
         n = np.arange(1, 2 * x.size, 2)
         read = (Y + sizes[0] * random.standard_normal(), sizes[0], n, x + drawn[0] + 1j * drawn[1])
-        lines.append(Lines(OMEGA, *read, np.full(n.size, sizes[1]), 100))
+        lines.append(RecordHarmonics(OMEGA, *read, np.full(n.size, sizes[1]), 100))
     return lines
 
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from dampbalance import Orbit
 from dampbalance.fit.steady_search import fit_records
-from dampbalance.signals.lines import Lines
 from dampbalance.signals.mean_harmonics import Reading
+from dampbalance.signals.record_harmonics import RecordHarmonics
 
 
 def lines_of(
@@ -20,7 +20,7 @@ def lines_of(
     count: int = 12,
     late: float = 0.0,
     rows: int = 50,
-) -> Lines:
+) -> RecordHarmonics:
     """The first `count` odd harmonics of an orbit and its base, each part with a standard deviation `error`, m.
 
     rng : noise of that size is added.   late : by how much the response lags in the record, s.
@@ -32,7 +32,9 @@ def lines_of(
         x = x + error * (rng.standard_normal(count) + 1j * rng.standard_normal(count))
         turned = error / Y * rng.standard_normal()
         Y = Y + error * rng.standard_normal()
-    return Lines(omega, Y, error, n, x * np.exp(-1j * n * turned), np.full(count, error), rows)
+    return RecordHarmonics(
+        omega, Y, error, n, x * np.exp(-1j * n * turned), np.full(count, error), rows
+    )
 
 
 def with_own_fit(reading: Reading) -> Reading:

@@ -17,7 +17,7 @@ from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.conditioning import condition
-from dampbalance.signals.lines import Lines
+from dampbalance.signals.record_harmonics import RecordHarmonics
 
 OSC = Oscillator(m=3.1, c=9.0, k=5200.0, K_z=160_000.0, F_k=2.1)
 LEVELS = (0.003, 0.005, 0.008, 0.012)
@@ -46,7 +46,7 @@ def test_what_is_added_is_that_of_the_exact_motion(quantity, hertz, rate, start)
     orbit = orbit_at(hertz)
     channels = ("base_displacement", quantity)
     record = measured_orbit(orbit, rate_hz=rate, cycles=33.3, channels=channels, start=start)
-    lines = Lines.of(condition(record, OSC.k))
+    lines = RecordHarmonics.of(condition(record, OSC.k))
     response = steady_response(OSC, orbit.motion, {})
     added = lines.x - response.harmonics(lines.n.size)
     folded = lines.folds.of(response.high_harmonics(lines.folds.orders))

@@ -28,7 +28,7 @@ from ..arrays import Array, Complexes, Mask
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..motion.law_steady import Response, added_by_base
-from ..signals.lines import Lines
+from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import P_CAUSE
 from ..solver import NORMAL_95
 from .fit import Fit, OscillatorFit
@@ -41,7 +41,7 @@ from .waveforms import NO_MOTION, HarmonicProblem
 _GAIN = 1e-5  # in −log L: 0.4 % of a standard error of the noise, and less of the scatter
 
 
-def stiffness_lines(lines: Sequence[Lines], k: float) -> StiffnessLines:
+def stiffness_lines(lines: Sequence[RecordHarmonics], k: float) -> StiffnessLines:
     """Return the fundamentals of records as lines of dynamic stiffness, a level each.   k : of the spring, N/m."""
     X, Z, omega = np.transpose([(abs(one.x[0]), k * one.Y / one.x[0], one.omega) for one in lines])
     error, each = np.array([one.relative_error for one in lines]), np.arange(len(lines))
@@ -194,7 +194,7 @@ class FundamentalFit(OscillatorFit):
 
 
 def fit_fundamentals(
-    lines: Sequence[Lines], k: float, law: Law | None = None
+    lines: Sequence[RecordHarmonics], k: float, law: Law | None = None
 ) -> FundamentalFit | None:
     """Return the oscillator whose fundamentals are closest, with the departures that they show; None where the levels
     are too few to show how well they fit.

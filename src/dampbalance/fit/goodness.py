@@ -11,7 +11,7 @@ from scipy import special
 
 from ..arrays import Array, Complexes
 from ..law.terms import term
-from ..signals.lines import Lines
+from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95
 
@@ -41,7 +41,7 @@ class LinearFit(NamedTuple):
 
 
 def linear_fit(
-    lines: Sequence[Lines],
+    lines: Sequence[RecordHarmonics],
     k: float,
     terms: Sequence[str] = ("c",),
     m: float | None = None,
@@ -98,12 +98,12 @@ def linear_fit(
     )
 
 
-def improbable(chi_square: float, freedom: float, lines: Sequence[Lines]) -> bool:
+def improbable(chi_square: float, freedom: float, lines: Sequence[RecordHarmonics]) -> bool:
     """Return whether noise makes a χ² as large as this hardly ever (`P_OF_THE_MODEL`)."""
     return probability(chi_square, freedom, lines) < P_OF_THE_MODEL
 
 
-def probability(chi_square: float, freedom: float, lines: Sequence[Lines]) -> float:
+def probability(chi_square: float, freedom: float, lines: Sequence[RecordHarmonics]) -> float:
     """Return the probability of a χ² as large as this in noise; 1 without freedom.
 
     The errors come from a number of rows, and so it has an F distribution.

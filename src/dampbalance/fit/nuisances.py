@@ -22,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Complexes, Integers
-from ..signals.lines import Lines
+from ..signals.record_harmonics import RecordHarmonics
 
 FALLING = 0.1
 """Speed over the largest at which a friction force that changes with the speed has fallen by a factor e."""
@@ -60,7 +60,7 @@ def units_of(k: float, omega: float, X: float, Y: float) -> dict[str, float]:
 
 
 def read_by_channels(
-    x: Complexes, base: float, n: Integers, one: Lines, values: Mapping[str, float]
+    x: Complexes, base: float, n: Integers, one: RecordHarmonics, values: Mapping[str, float]
 ) -> Complexes:
     """Return the harmonics x_n, m, as the channels of a record read them.
 
@@ -73,7 +73,7 @@ def read_by_channels(
     return np.asarray(factor * (x - first) + (1.0 + values["gain"]) * first)
 
 
-def in_other_frame(one: Lines) -> Lines:
+def in_other_frame(one: RecordHarmonics) -> RecordHarmonics:
     """Return the harmonics of a response that is relative to the base and was taken for absolute, or the other way
     round, without that error."""
     y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)

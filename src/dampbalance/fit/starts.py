@@ -24,7 +24,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Mask
 from ..law.contact import describing, play
-from ..signals.lines import Lines
+from ..signals.record_harmonics import RecordHarmonics
 
 _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
 # How many of them, up to 1,000: stiffer ones rattle, and a climb reaches them from there, in 1/√K_z.
@@ -46,7 +46,7 @@ class Shares(NamedTuple):
 
 
 def starts(
-    lines: Sequence[Lines], k: float, shares: Shares | None = None, *, wide: bool = False
+    lines: Sequence[RecordHarmonics], k: float, shares: Shares | None = None, *, wide: bool = False
 ) -> Array:
     """Return (F_k, c, K_z, m) of oscillators that respond like the records, (n, 4), the closest first; each slips in
     one.
@@ -76,7 +76,7 @@ def starts(
 
 
 def _responses_to_contact(
-    candidates: Array, lines: Sequence[Lines], k: float, shares: Shares
+    candidates: Array, lines: Sequence[RecordHarmonics], k: float, shares: Shares
 ) -> tuple[Complexes, Mask]:
     """Return x_1, x_3, x_5 of each candidate under the base of each record, (n, L, 3), m, and which slip in one of
     them: x_n = (kY δ_n1 − f_n)/(k − n²ω²m + inωc) with the harmonics f_n of the force K_z z that the contact has in the
@@ -98,7 +98,7 @@ def _responses_to_contact(
     return np.stack(harmonics, axis=1), np.any(slips, axis=0)
 
 
-def _waveform(one: Lines) -> Array:
+def _waveform(one: RecordHarmonics) -> Array:
     """Return the displacement over a cycle from the peak of the base, by the harmonics that stand out of the noise,
     m."""
     spectrum, taken = np.zeros(_POINTS_OF_CONTACT // 2 + 1, dtype=np.complex128), one.clear
@@ -107,7 +107,7 @@ def _waveform(one: Lines) -> Array:
     return np.fft.irfft(spectrum, _POINTS_OF_CONTACT)
 
 
-def _candidates(lines: Sequence[Lines], k: float, shares: Shares, wide: bool) -> Array:
+def _candidates(lines: Sequence[RecordHarmonics], k: float, shares: Shares, wide: bool) -> Array:
     """Return the (F_k, c, K_z, m) that balance the work, (n, 4)."""
     fundamental = np.array([one.x[0] for one in lines])
     omega, Y, X, b = np.array([(one.omega, one.Y, *_peak_and_viscous(one)) for one in lines]).T
@@ -155,7 +155,7 @@ def _not_negative(a: Array, b: Array) -> tuple[Array, Array]:
     return found[..., :1], found[..., 1:]
 
 
-def _peak_and_viscous(one: Lines) -> tuple[float, float]:
+def _peak_and_viscous(one: RecordHarmonics) -> tuple[float, float]:
     """Return (X, b) of the harmonics that stand out of the noise, m and m²/s."""
     x = np.where(one.clear, one.x, 0.0)
     squares = np.maximum(np.abs(x) ** 2 - 2.0 * one.x_error**2, 0.0)

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..signals.lines import Lines
+from ..signals.record_harmonics import RecordHarmonics
 from .climb import MOST_EVALUATIONS
 from .multistart import Trail, climb_on, multistart
 from .parameters import Parameters
@@ -30,7 +30,7 @@ _LOWER, _NEARER = 0.05, 0.02
 
 
 def fit_records(
-    lines: Sequence[Lines],
+    lines: Sequence[RecordHarmonics],
     k: float,
     law: Law | None = None,
     *,

@@ -32,8 +32,8 @@ from ..law.terms import FRICTION, term
 from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.law_steady import Further, Response, added_by_base, steady_response
 from ..motion.orbit import NoSteadyOrbit
-from ..signals.lines import Lines
 from ..signals.mean_harmonics import Waveform
+from ..signals.record_harmonics import RecordHarmonics
 from .climb import Climb
 from .errors import inverse_information
 from .fit import Fit, OscillatorFit
@@ -85,7 +85,7 @@ class HarmonicProblem:
     """
 
     law: Law
-    lines: tuple[Lines, ...]
+    lines: tuple[RecordHarmonics, ...]
     k: float
     softening: float = 0.0
 
@@ -403,7 +403,7 @@ class HarmonicProblem:
             return None
 
 
-def equivalent_coefficient(symbol: str, one: Lines, k: float) -> float:
+def equivalent_coefficient(symbol: str, one: RecordHarmonics, k: float) -> float:
     """Return the coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its
     fundamental."""
     if symbol == FRICTION:
@@ -419,7 +419,7 @@ class WaveformFit(OscillatorFit):
     problem: HarmonicProblem
 
     @property
-    def lines(self) -> tuple[Lines, ...]:
+    def lines(self) -> tuple[RecordHarmonics, ...]:
         """Harmonics of the records."""
         return self.problem.lines
 

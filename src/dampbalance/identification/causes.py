@@ -29,7 +29,7 @@ from ..fit.score import Departure
 from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import NO_MOTION, WaveformFit
 from ..motion.law_decays import ADDED
-from ..signals.lines import Lines
+from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import AS_WELL, P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
 
@@ -109,7 +109,7 @@ class Explanation:
 
 def explanations(
     fit: WaveformFit,
-    lines: Sequence[Lines],
+    lines: Sequence[RecordHarmonics],
     *,
     penalty: Callable[[WaveformFit], float],
     near: FundamentalFit | None = None,
@@ -212,13 +212,13 @@ def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     return refit(near if near is not None and near.chi_square < fit.chi_square else fit, [name])
 
 
-def _least(name: str, lines: Sequence[Lines]) -> float:
+def _least(name: str, lines: Sequence[RecordHarmonics]) -> float:
     """Return the fall of χ² from which on a departure is there; one that has one sign only has half of the chances."""
     p = P_CAUSE if name in (GRADUAL, *TURNS) else P_DEPARTURE
     return fall_of(2.0 * p if name in ONE_SIGNED else p, lines)
 
 
-def fall_of(p: float, lines: Sequence[Lines]) -> float:
+def fall_of(p: float, lines: Sequence[RecordHarmonics]) -> float:
     """Return the fall of χ² by one unknown that noise exceeds with a probability p: of few cycles, whose scatter gives
     the errors of the fundamentals, a larger one."""
     freedom = sum(2 * max(1, one.rows - 1) for one in lines)

@@ -14,8 +14,8 @@ from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
-from ..signals.lines import Lines
 from ..signals.mean_harmonics import Reading
+from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import P_SHOWN, SHOWS
 from ..solver import NORMAL_95
 from .answer import FUNDAMENTALS, Answer, answer_of_fit
@@ -149,7 +149,7 @@ class CommonFit:
 
 
 def common_fit(
-    lines: Sequence[Lines],
+    lines: Sequence[RecordHarmonics],
     k: float,
     m: float | None = None,
     law: Law | None = None,
@@ -222,7 +222,7 @@ def common_fit(
 
 
 def _searched(
-    lines: Sequence[Lines], k: float, law: Law, slips: bool
+    lines: Sequence[RecordHarmonics], k: float, law: Law, slips: bool
 ) -> tuple[WaveformFit | None, FundamentalFit | None]:
     """Return the fit to the waveforms and, where that is not adequate, the fit to the fundamentals.
 

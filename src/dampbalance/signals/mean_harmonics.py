@@ -35,8 +35,8 @@ from ..motion.law_steady import Response
 from ..records.record import Record
 from .conditioning import SteadyRecord, condition
 from .cycles import bootstrap, powers
-from .lines import Lines
 from .one_thread import one_thread
+from .record_harmonics import RecordHarmonics
 from .turning import Series, turning_points, upward_zero
 
 ONSET_UNKNOWN = "slip onset not known"
@@ -50,7 +50,7 @@ _OF_ONSET = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 class Means:
     """Means of r drawings of the rows of a record.
 
-    Y : amplitude of the base, m, (r,).   x : x_n, m, relative to its phase, (r, h), n as in `Lines`.
+    Y : amplitude of the base, m, (r,).   x : x_n, m, relative to its phase, (r, h), n as in `RecordHarmonics`.
     even : x_n, n = 2, 4 …, and base : y_n, n = 2, 3 …, m, likewise, up to those that stand out of the noise.
     bias : noise bias of |x_n|², in variances of x_n, (r,): 1 for the mean, 2 for bootstrap replicates.
     """
@@ -148,9 +148,9 @@ class Reading:
     terms: tuple[str, ...] = ()
 
     @cached_property
-    def lines(self) -> Lines:
+    def lines(self) -> RecordHarmonics:
         """The harmonics that waveforms are fitted to; of a waveform that fits, without what folded."""
-        lines = Lines.of(self.steady)
+        lines = RecordHarmonics.of(self.steady)
         if self.waveform is None:
             return lines
         return replace(lines, x=lines.x - self.waveform.folded, folds=None)

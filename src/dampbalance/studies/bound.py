@@ -11,8 +11,8 @@ from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..model import BaseMotion, Oscillator
 from ..motion.orbit import steady_orbit
-from ..signals.lines import Lines
 from ..signals.one_thread import one_thread
+from ..signals.record_harmonics import RecordHarmonics
 
 _HARMONICS_OF_TRUTH = 64  # odd ones: the derivatives of the response by ρ fall as n⁻³
 
@@ -40,7 +40,9 @@ def fit_at_truth(
     lines = []
     for motion, (Y_error, x_error) in zip(motions, errors, strict=True):
         x = steady_orbit(osc, motion).harmonics(_HARMONICS_OF_TRUTH)
-        lines.append(Lines(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1))
+        lines.append(
+            RecordHarmonics(motion.omega, motion.Y, Y_error, n, x, np.full(n.size, x_error), 1)
+        )
     law = Law(given={s: getattr(osc, s) for s in ("F_k", "c") if s in given})
     problem = HarmonicProblem(law, tuple(lines), osc.k)
     truth = problem.start(np.array([osc.F_k, osc.c, osc.K_z, osc.m]))

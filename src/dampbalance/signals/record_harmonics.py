@@ -46,7 +46,7 @@ class Folds:
 
 
 @dataclass(frozen=True, eq=False)
-class Lines:
+class RecordHarmonics:
     """Harmonics of one record.
 
     omega : rad/s.   Y : amplitude of the base, m.   n : odd orders, (h,).   x : x_n, m, (h,).
@@ -88,7 +88,7 @@ class Lines:
         return _NEIGHBOURS * max(1, self.rows - 1)
 
     @classmethod
-    def of(cls, steady: SteadyRecord) -> Lines:
+    def of(cls, steady: SteadyRecord) -> RecordHarmonics:
         """Return the harmonics of a record up to a little beyond its bandwidth."""
         highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
         n = np.arange(1, highest + 1, 2)

@@ -9,16 +9,18 @@ import pytest
 
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.conditioning import CLEAR_HARMONIC, condition
-from dampbalance.signals.lines import Lines
+from dampbalance.signals.record_harmonics import RecordHarmonics
 from paper_case import NEAR, PAPER, orbits_at
 
 
-def of_record(noise: float, *, start: float = 0.0, seed: int = 1, Y: float = 0.008) -> Lines:
+def of_record(
+    noise: float, *, start: float = 0.0, seed: int = 1, Y: float = 0.008
+) -> RecordHarmonics:
     (orbit,) = orbits_at(NEAR, (Y,))
     measurement = measured_orbit(
         orbit, rate_hz=2000.0, cycles=40.0, noise=noise, seed=seed, start=start
     )
-    return Lines.of(condition(measurement, PAPER.k))
+    return RecordHarmonics.of(condition(measurement, PAPER.k))
 
 
 def test_they_are_those_of_the_motion_wherever_the_record_begins():
@@ -48,5 +50,5 @@ def test_their_errors_are_those_of_the_scatter():
 
 def test_what_stands_out_of_the_noise_is_clear_and_the_fundamental_always_is():
     x = np.array([0.5, CLEAR_HARMONIC * 1.01, CLEAR_HARMONIC * 0.99, 30.0])
-    lines = Lines(1.0, 1.0, 0.1, np.arange(1, 8, 2), x.astype(complex), np.ones(4), 10)
+    lines = RecordHarmonics(1.0, 1.0, 0.1, np.arange(1, 8, 2), x.astype(complex), np.ones(4), 10)
     assert lines.clear.tolist() == [True, True, False, True]
