@@ -108,7 +108,7 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
     # 20,000 N/mm: a microstick line of 0.13 µm beside 24 µm of noise
     stiff = replace(PAPER, K_z=2e7)
     found = identified(readings(noise=0.03, rate_hz=1000.0, channels=THREE[:2], osc=stiff))
-    assert not found.basis.microstick.resolved
+    assert not found.document()["microstick"]["resolved"]
     (warning,) = found.findings
     assert warning.code == "unresolved"
     K_z = found.answer.K_z

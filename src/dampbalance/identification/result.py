@@ -382,7 +382,7 @@ class Result(Generic[B]):
 
         Raises ValueError where results are there already and may not be replaced, or nothing can be written.
         """
-        from .outputs import save
+        from .saving import save  # slow to import
 
         return save(self, folder, figures=figures, overwrite=overwrite)
 
