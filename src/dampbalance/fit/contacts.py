@@ -223,7 +223,7 @@ def _asked(
         rigid = (_STIFFEST * largest) ** -0.5
         unknowns += [Parameter(FRICTION, 0.0, low=0.0, scale=1e-3 * largest * low)]
         unknowns += [Parameter("rho", largest**-0.5, low=rigid, scale=rigid)]
-    nodes = np.geomspace(0.1 * low, high, NODES * (contact == "gradual"))
+    nodes = _nodes(lines.X)[: NODES * (contact == "gradual")]
     # where k is free, a slider that no line moves is a part of it
     count = nodes.size + (contact == "gradual" and stiffness is not None)
     unknowns += [Parameter("kappa", 0.0, low=0.0, group=str(1 + i)) for i in range(count)]
@@ -261,6 +261,12 @@ def _require_told(name: str, stiffness: float | None) -> None:
         raise ValueError(f"the force of {name} depends on the spring: state stiffness")
 
 
+def _nodes(X: Array) -> Array:
+    """Return r at which κ of a gradual contact is an unknown, m, from a tenth of the smallest amplitude, at which it is
+    felt, to the largest.   X : m, (n,)."""
+    return np.geomspace(0.1 * X.min(), X.max(), NODES)
+
+
 def _estimated(
     problem: StiffnessProblem, steps: int = _ITERATIONS, near: bool = False
 ) -> StiffnessProblem:
@@ -275,7 +281,8 @@ def _estimated(
         starts = [problem.climbed] * (near or step > 0) + ([] if near else _starts(problem))
         problem = replace(problem, start=problem.ends(starts))
         if gradual and not near:
-            problem = _smoothed(problem)
+            X = problem.mode(problem.start.values).X  # which R has moved
+            problem = _smoothed(replace(problem, nodes=_nodes(X)))
     return problem
 
 

@@ -449,7 +449,10 @@ class DecayFit(OscillatorFit):
     def sticks_from(self, i: int, end: float | None = None) -> float:
         """Return the time, s after its start, from which on the mass of decay i sticks; infinite where it moves up to
         the end of the decay, or to another one, s."""
-        last = self.phases(i, end)[-1]
+        try:
+            last = self.phases(i, end)[-1]
+        except ValueError:  # the contact rattles on
+            return math.inf
         return float(last[PHASE_T]) if last[PHASE_S] == 0.0 else math.inf
 
     def at_rest(self, i: int, end: float | None = None) -> float:
