@@ -20,6 +20,7 @@ from ..balance import Rows
 from ..findings.finding import Finding, grouped
 from ..findings.words import Vocabulary, sentence
 from ..fit.fit import OscillatorFit
+from ..fit.select import Selection
 from ..law.terms import FRICTION, term
 from ..solver import NORMAL_95
 
@@ -80,6 +81,14 @@ class ParameterEstimate:
         """Return the estimate with an interval that holds another one, too."""
         low, high = self.interval
         return replace(self, interval=Interval(min(low, other.low), max(high, other.high)))
+
+    def averaged(self, value: float, error: float) -> ParameterEstimate:
+        """Return the estimate with another value and standard error, either end as much farther from it."""
+        if not (self.standard_error > 0.0 and math.isfinite(self.value)):
+            return self
+        by, (low, high) = error / self.standard_error, self.interval
+        ends = Interval(value - by * (self.value - low), value + by * (high - self.value))
+        return replace(self, value=value, standard_error=error, interval=ends)
 
     def wider(self, size: float) -> ParameterEstimate:
         """Return the estimate with an independent error of this standard deviation more, in quadrature at either
@@ -277,6 +286,49 @@ def answer_of_fit(
         "misfit": fit.misfit,
     }
     return Answer(name, of_contact(parameters), covariance, tuple(notes), merit=of_fit | merit)
+
+
+def averaged(answer: Answer, selection: Selection) -> Answer:
+    """Return the answer of the heaviest fit with the numbers of all models that were weighed, and their errors.
+
+    selection : its numbers are coefficients, ρ of the contact and m.
+    """
+    values, covariance = selection.values, selection.covariance
+    errors = np.sqrt(np.diag(covariance))
+    of = dict(zip(selection.keys, zip(values.tolist(), errors.tolist(), strict=True), strict=True))
+    parameters = {
+        s: p.averaged(*of.get(s, (p.value, p.standard_error))) for s, p in answer.parameters.items()
+    }
+    merit = dict(answer.merit)
+    if "m" in of and "m_kg" in merit:
+        merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
+    if "rho" in of:
+        parameters["K_z"] = _stiffness(answer.K_z, *of["rho"])
+    slopes = np.array(
+        [1.0 if key != "rho" else -2.0 * max(of[key][0], 1e-300) ** -3 for key in selection.keys]
+    )
+    at = [selection.keys.index("rho" if s == "K_z" else s) for s in parameters]
+    with np.errstate(over="ignore", invalid="ignore"):
+        whole = (covariance * np.outer(slopes, slopes))[np.ix_(at, at)]
+    return replace(answer, parameters=parameters, covariance=whole, merit=merit)
+
+
+def _stiffness(K_z: ParameterEstimate, rho: float, error: float) -> ParameterEstimate:
+    """Return a contact stiffness with another ρ = K_z^{−1/2} and its standard error: the interval comes from that of ρ,
+    and is unbounded above where that reaches zero."""
+    if not (math.isfinite(K_z.value) and K_z.standard_error > 0.0 and rho > 0.0):
+        return K_z
+    own = K_z.value**-0.5
+    of_rho = 0.5 * K_z.standard_error * own**3
+    low, high = (end**-0.5 if end > 0.0 else math.inf for end in K_z.interval[::-1])
+    ends = ParameterEstimate(own, of_rho, Interval(low, high)).averaged(rho, error).interval
+    upper = ends.low**-2 if ends.low > 0.0 else math.inf
+    return replace(
+        K_z,
+        value=rho**-2,
+        standard_error=2.0 * error * rho**-3,
+        interval=Interval(ends.high**-2, upper),
+    )
 
 
 def of_contact(parameters: Mapping[str, ParameterEstimate]) -> dict[str, ParameterEstimate]:

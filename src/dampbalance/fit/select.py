@@ -1,0 +1,334 @@
+"""Models weighed by their evidence, where one would otherwise be chosen: the only place that compares models.
+
+The plain model M_0 may lack something: a candidate M_j has one unknown v more (a delay, a spring that hardens, a term
+of the damping), which M_0 holds at zero. How large such an unknown is in rigs is known beforehand: a share π_j has it,
+with sizes N(0, τ_j²), or the positive half of it (`PRIORS`). With its estimate v̂ ± e, and χ² measured in the noise,
+
+    ln B_j = ½ ln(e²/(e² + τ²)) + ½ (χ²_0 − χ²_j) − ½ v̂²/(e² + τ²)      (+ ln 2Φ(μ/σ) for the positive half)
+
+is the logarithm of its Bayes factor (Laplace), μ = v̂ τ²/(e² + τ²) and σ² = e² τ²/(e² + τ²) the moments of v that are
+left. To first order χ²_0 − χ²_j = v̂²/e², so that the score test (`score.py`) gives all of it without another fit; a
+candidate whose weight exceeds `REFITTED` is fitted. The weights are w_j ∝ π_j B_j, and the numbers θ those of all
+models,
+
+    θ = Σ w_j θ_j,      C = Σ w_j (C_j + Δ_j Δ_jᵀ),      Δ_j = θ_j − θ
+
+(Hoeting, Madigan, Raftery & Volinsky, Stat. Sci. 14, 1999). A departure that passed a test is on average too large, and
+the interval of the model that has it does not know of the test: averaged, it does.
+
+What even the best model leaves beyond the noise is taken for noise of as many values as are independent in it, and
+scales all errors. The departure that it comes from is then none of the candidates, and the plain model has no better a
+claim than all of them together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy import special
+
+from ..arrays import Array
+from .score import Departure
+
+REFITTED = 0.1
+"""Weight above which a candidate that is known to first order is fitted."""
+
+CLEAR = 0.9
+"""Weight above which a model stands for all others: further candidates are tested from it, and a sentence names it."""
+
+NOISE_ALONE = 1e-4
+"""Probability of a χ² below which the best model leaves more than noise."""
+
+_MOST = 3
+"""Departures of a model at most: of more the data tell nothing."""
+
+
+class Prior(NamedTuple):
+    """What is known of a departure before any record.
+
+    share : π, of the rigs that have it.   size : τ, standard deviation in them, in `unit` of a rig.   positive : whether
+    it has one sign.
+    """
+
+    share: float
+    size: float
+    unit: str
+    positive: bool = False
+
+
+PRIORS: Mapping[str, Prior] = {
+    # channels
+    "delay": Prior(0.03, 1.0, "sample interval"),
+    "gain": Prior(0.03, 0.02, "gain"),
+    "corner": Prior(0.03, 0.03, "frequency of the slowest record", positive=True),
+    "frame": Prior(0.01, 1.0, "none: the response is relative or absolute"),
+    # friction
+    "friction_level": Prior(0.03, 0.1, "F_k"),
+    "friction_speed": Prior(0.03, 0.15, "F_k", positive=True),
+    "falling": Prior(0.03, 0.15, "F_k", positive=True),
+    "fading": Prior(0.03, 0.1, "F_k"),
+    # contact
+    "gradual": Prior(0.05, 0.5, "contact of Iwan", positive=True),
+    # spring and damper
+    "k_3": Prior(0.03, 0.02, "k over X²"),
+    "c_2": Prior(0.03, 0.2, "c over ωX", positive=True),
+}
+"""The one table of departures: how many rigs have each, and of what size."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A model, and what it says of the numbers.
+
+    name : of what it has beyond the plain one, empty for that.   share : a priori.   evidence : ln of its Bayes factor
+    against the plain one.   values, covariance : of the numbers, (p,), (p, p).   fit : None where it is known to first
+    order only.   size : of the departure, with its standard error.
+    """
+
+    name: str
+    share: float
+    evidence: float
+    values: Array
+    covariance: Array
+    fit: Any = None
+    size: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A model to be weighed against the plain one.
+
+    name : of its departure, the key of that unknown in its fit.   prior : with the size in the unit of the unknown.
+    tested : what the score test says of it; None where it has to be fitted.   fitted : returns its fit; None where it
+    has none.   evidence : ln of its Bayes factor, of a fit; default, that of the equation above.
+    """
+
+    name: str
+    prior: Prior
+    fitted: Callable[[], Any]
+    tested: Departure | None = None
+    evidence: Callable[[Any], float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """Models with their weights, the numbers of all of them, and the fit of the heaviest.
+
+    keys : of the numbers.   models, weights : the plain one first.   departures : names of those that the plain model of
+    this selection has, in the order in which they became clear.   noise : square of the scale of the noise.
+    """
+
+    keys: tuple[str, ...]
+    models: tuple[Model, ...]
+    weights: tuple[float, ...]
+    departures: tuple[str, ...] = ()
+    noise: float = 1.0
+    plain: Any = field(default=None)
+
+    @property
+    def best(self) -> Model:
+        """The heaviest model that is fitted."""
+        fitted = (i for i, model in enumerate(self.models) if model.fit is not None)
+        return self.models[max(fitted, key=self.weights.__getitem__)]
+
+    @property
+    def fit(self) -> Any:
+        """The fit of the heaviest model."""
+        return self.best.fit
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The departures of the heaviest model."""
+        return (*self.departures, *filter(None, [self.best.name]))
+
+    def weight(self, name: str) -> float:
+        """Return the weight of a model by name; 1 of a departure that all of them have, 0 of one that was not there to
+        be weighed."""
+        own = [w for model, w in zip(self.models, self.weights, strict=True) if model.name == name]
+        return 1.0 if name in self.departures else math.fsum(own)
+
+    @property
+    def values(self) -> Array:
+        """The numbers, means over all models, (p,)."""
+        return np.asarray(np.average([one.values for one in self.models], 0, self.weights))
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the numbers, (p, p)."""
+        off = [one.values - self.values for one in self.models]
+        each = [m.covariance + np.outer(of, of) for m, of in zip(self.models, off, strict=True)]
+        return np.asarray(np.average(each, 0, self.weights))
+
+    def moved_by(self, name: str) -> dict[str, float]:
+        """Return the relative change of each number that comes with the share of a model, w_j Δ_j."""
+        at = next(i for i, model in enumerate(self.models) if model.name == name)
+        plain = self.models[0].values
+        by = self.weights[at] * (self.models[at].values - plain)
+        pairs = zip(self.keys, by.tolist(), plain.tolist(), strict=True)
+        return {key: part / value for key, part, value in pairs if value}
+
+
+def select(
+    fit: Any,
+    candidates: Sequence[Candidate],
+    keys: Sequence[str],
+    *,
+    independent: float = math.inf,
+    certain: bool = False,
+    further: Callable[[Any, tuple[str, ...]], Sequence[Candidate]] | None = None,
+    departures: tuple[str, ...] = (),
+) -> Selection:
+    """Weigh the candidates and the plain model.
+
+    Use it wherever a model would be chosen by a test: the numbers then hold what the data do not tell apart.
+
+    fit : of the plain model, with `chi_square` and `freedom` in units of the noise.   keys : of the numbers, as
+    `value` and `covariance_of` of the fits take them; a candidate known to first order has them in its slopes.
+    independent : number of independent values in what a model leaves beyond the noise; default, as many as data.
+    certain : whether there is a departure for certain, as where the noise of the data has been scaled by it.
+    further : candidates beyond a fit with some departures, for a second one from the first; default, none.
+    departures : that the plain model has.
+    """
+    keys = tuple(keys)
+    fits: dict[str, Any] = {
+        one.name: end
+        for one in candidates
+        if one.tested is None and (end := one.fitted()) is not None
+    }
+    known = [one for one in candidates if one.tested is not None or one.name in fits]
+    failed: set[str] = set()
+    while True:
+        found = _weighed(fit, known, fits, keys, independent, certain, departures)
+        asked = [
+            one
+            for one in known
+            if found.weight(one.name) > REFITTED and one.name not in fits and one.name not in failed
+        ]
+        if not asked:
+            break
+        one = max(asked, key=lambda one: found.weight(one.name))
+        end = one.fitted()
+        if end is None:
+            failed.add(one.name)
+        else:
+            fits[one.name] = end
+    best = found.best
+    clear = best.name and found.weight(best.name) > CLEAR and len(departures) + 1 < _MOST
+    if not clear or further is None:
+        return found
+    names = (*departures, best.name)
+    more = select(
+        *(best.fit, further(best.fit, names), keys),
+        independent=independent,
+        certain=certain,
+        further=further,
+        departures=names,
+    )
+    return replace(more, plain=found.plain)
+
+
+def noise_of(chi_square: float, freedom: float, independent: float = math.inf) -> float:
+    """Return the square of the scale of the noise, of which χ² is a sum of squares, 1 where it is that of the data.
+
+    What is left beyond the noise is smooth: of `freedom` values only so many are independent.
+    """
+    beyond = chi_square / max(freedom, 1.0) - 1.0
+    if beyond <= 0.0 or special.chdtrc(max(freedom, 1.0), chi_square) > NOISE_ALONE:
+        return 1.0
+    return 1.0 + beyond * max(1.0, freedom / independent)
+
+
+def bayes_factor(
+    value: float, error: float, prior: Prior, fall: float | None = None
+) -> tuple[float, float, float]:
+    """Return ln of the Bayes factor of an unknown, and mean and variance of it given the data.
+
+    value, error : v̂ ± e.   fall : of χ² by it; default, v̂²/e².
+    """
+    e2, tau2 = error**2, prior.size**2
+    mean, variance = value * tau2 / (e2 + tau2), e2 * tau2 / (e2 + tau2)
+    fall = value**2 / e2 if fall is None else fall
+    factor = 0.5 * (math.log(e2 / (e2 + tau2)) + fall - value**2 / (e2 + tau2))
+    if not prior.positive:
+        return factor, mean, variance
+    sigma = math.sqrt(variance)
+    z = mean / sigma
+    of_half = float(special.log_ndtr(z))
+    # mean and variance of the positive half of a normal distribution
+    ratio = math.exp(-0.5 * z * z - 0.5 * math.log(2.0 * math.pi) - of_half)
+    return (
+        factor + math.log(2.0) + of_half,
+        mean + sigma * ratio,
+        variance * max(1.0 - ratio * (ratio + z), 0.0),
+    )
+
+
+def _weighed(
+    fit: Any,
+    candidates: Sequence[Candidate],
+    fits: Mapping[str, Any],
+    keys: tuple[str, ...],
+    independent: float,
+    certain: bool,
+    departures: tuple[str, ...],
+) -> Selection:
+    """Return the plain model and the candidates, some of which are fitted, with their weights."""
+    # what the best of them leaves; to first order of those that are not fitted
+    left = [(fit.chi_square, fit.freedom), *((e.chi_square, e.freedom) for e in fits.values())]
+    left += [
+        (fit.chi_square - one.tested.size**2, fit.freedom - 1.0)
+        for one in candidates
+        if one.tested is not None and one.name not in fits
+    ]
+    noise = min(noise_of(*of, independent) for of in left)
+    values = np.array([fit.value(key) for key in keys])
+    covariance = noise * fit.covariance_of(*keys)
+    shares = math.fsum(one.prior.share for one in candidates)
+    own = shares if certain or noise > 1.0 else max(1.0 - shares, shares)
+    models = [Model("", own, 0.0, values, covariance, fit)]
+    for one in candidates:
+        if one.name in fits:
+            models.append(_fitted(one, fit, fits[one.name], keys, noise))
+        elif one.tested is not None:
+            models.append(_to_first_order(one, one.tested, models[0], keys, noise))
+    logs = np.array([math.log(one.share) + one.evidence for one in models])
+    weights = np.exp(logs - logs.max())
+    weights /= weights.sum()
+    return Selection(keys, tuple(models), tuple(weights.tolist()), departures, noise, fit)
+
+
+def _fitted(one: Candidate, plain: Any, end: Any, keys: tuple[str, ...], noise: float) -> Model:
+    """Return a candidate that is fitted."""
+    size = (0.0, 0.0)
+    if one.evidence is not None:
+        evidence = one.evidence(end)
+    else:
+        value, error = end.value(one.name), end.error(one.name)
+        fall, size = (plain.chi_square - end.chi_square) / noise, (value, error)
+        evidence = -math.inf
+        if error > 0.0:
+            evidence, *_ = bayes_factor(value, error * math.sqrt(noise), one.prior, fall)
+    values = np.array([end.value(key) for key in keys])
+    covariance = noise * end.covariance_of(*keys)
+    return Model(one.name, one.prior.share, evidence, values, covariance, end, size)
+
+
+def _to_first_order(
+    one: Candidate, tested: Departure, plain: Model, keys: tuple[str, ...], noise: float
+) -> Model:
+    """Return a candidate by the score test: the numbers of the plain model, and their slopes times its unknown."""
+    error = tested.error * math.sqrt(noise)
+    evidence, mean, variance = bayes_factor(tested.value, error, one.prior)
+    slopes = np.array([tested.slopes.get(key, 0.0) for key in keys])
+    return Model(
+        one.name,
+        one.prior.share,
+        evidence,
+        plain.values + slopes * mean,
+        plain.covariance + np.outer(slopes, slopes) * variance,
+        size=(tested.value, error),
+    )
