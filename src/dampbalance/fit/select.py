@@ -50,8 +50,8 @@ _MOST = 3
 class Prior(NamedTuple):
     """What is known of a departure before any record.
 
-    share : π, of the rigs that have it.   size : τ, standard deviation in them, in `unit` of a rig.   positive : whether
-    it has one sign.
+    share : π, of the rigs that have it.   size : τ, standard deviation in them, in `unit` of a rig.
+    positive : whether it has one sign.
     """
 
     share: float
@@ -118,8 +118,8 @@ class Candidate:
 class Selection:
     """Models with their weights, the numbers of all of them, and the fit of the heaviest.
 
-    keys : of the numbers.   models, weights : the plain one first.   departures : names of those that the plain model of
-    this selection has, in the order in which they became clear.   noise : square of the scale of the noise.
+    keys : of the numbers.   models, weights : the plain one first.   departures : names of those that the plain model
+    of this selection has, in the order in which they became clear.   noise : square of the scale of the noise.
     """
 
     keys: tuple[str, ...]
