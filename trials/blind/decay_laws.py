@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 from dampbalance.identification.answer import REFERENCE, USABLE
-from dampbalance.identification.decay_laws import compare_decay_laws
 from dampbalance.identification.decays import identify_decay_records
+from dampbalance.identification.law_comparison import compare_decay_laws
 from dampbalance.project.wording import markdown_table
 
 from . import gradual
@@ -97,8 +97,8 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
         row[f"{symbol}_outside"] = not p.interval.low <= true <= p.interval.high
         row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
     true_law = ("F_k", "c", *((term,) if term == "c_2" else ()))
-    tests = laws.tests if laws else ()
-    row["p_true"] = next((t.p_of() for t in tests if t.terms == true_law), math.nan)
+    weighed = laws.laws if laws else ()
+    row["weight_of_true"] = next((one.weight for one in weighed if one.terms == true_law), math.nan)
     return [row]
 
 

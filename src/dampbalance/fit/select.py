@@ -76,6 +76,8 @@ PRIORS: Mapping[str, Prior] = {
     # spring and damper
     "k_3": Prior(0.03, 0.02, "k over X²"),
     "c_2": Prior(0.03, 0.2, "c over ωX", positive=True),
+    # laws of damping: each term, friction among them
+    "law": Prior(0.2, 0.5, "coefficient that takes all of the work", positive=True),
 }
 """The one table of departures: how many rigs have each, and of what size."""
 
@@ -265,6 +267,25 @@ def bayes_factor(
         mean + sigma * ratio,
         variance * max(1.0 - ratio * (ratio + z), 0.0),
     )
+
+
+def evidence_of(
+    chi_square: float, values: Array, covariance: Array, sizes: Sequence[float]
+) -> float:
+    """Return ln of the evidence of a model whose unknowns are not negative, with prior standard deviations τ:
+
+        −½ χ² + ½ ln |C|/|C + T| − ½ v̂ᵀ (C + T)⁻¹ v̂ + Σ ln 2Φ(μ_j/σ_j),   T = diag τ²
+
+    Use it for models none of which contains all others; of one unknown it is that of `bayes_factor`.
+
+    chi_square, covariance : of its fit, in the noise.   values : v̂.
+    """
+    v, C = values / sizes, covariance / np.outer(sizes, sizes)
+    S = C + np.eye(v.size)
+    mean, variance = np.linalg.solve(S, v), np.diag(C - C @ np.linalg.solve(S, C))
+    half = special.log_ndtr(mean / np.sqrt(np.maximum(variance, 1e-300))) + math.log(2.0)
+    ratio = np.linalg.slogdet(C)[1] - np.linalg.slogdet(S)[1]
+    return float(0.5 * (ratio - chi_square - v @ mean) + half.sum())
 
 
 def _weighed(

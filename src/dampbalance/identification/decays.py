@@ -44,7 +44,6 @@ from .balance_check import by_scatter, contradiction, forbidden
 from .balance_rows import Balanced, as_answer, solved
 from .causes import condition_on_contact
 from .decay_laws import (
-    compare_decay_laws,
     condition_of,
     doubts_of,
     pendulum_if_likelier,
@@ -54,6 +53,7 @@ from .decay_laws import (
 )
 from .diagnosis import on_mass
 from .half_cycles import DecayRows, rows_of
+from .law_comparison import compare_decay_laws
 from .level import Column
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,9 +12,8 @@ from ..findings.words import sentence, unit_of
 from ..model import named_with_unit
 from ..project.files import plain
 from ..records.coordinate import TRANSLATION, Coordinate
-from ..signals.thresholds import BUDGET
 from .answer import CONFIDENCE, REFERENCE, Answer
-from .law_comparison import LawComparison, LawTest
+from .law_comparison import LawComparison, LawWeight
 from .sensitivities import FAULTS, told
 
 if TYPE_CHECKING:
@@ -44,6 +42,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
         "no_answer": found.no_answer or None,
         "approaches": {name: answers[name] for name in found.estimates},
         "maximum_likelihood": answers.get(REFERENCE),
+        **({"weights": [one._asdict() for one in found.weighed]} if found.weighed else {}),
         **({} if found.laws is None else {"laws": _of_laws(found.laws, coordinate)}),
         **of_kind,
         "damping": {
@@ -128,24 +127,18 @@ def _column(symbol: str, what: str = "") -> str:
 def _of_laws(laws: LawComparison, coordinate: Coordinate) -> dict[str, Any]:
     return {
         "chosen": laws.chosen,
-        "by": laws.by,
         "not_told_apart": laws.alike,
-        "told_apart_by_stiffness": laws.by_stiffness,
-        "chance_to_reject_a_true_law": BUDGET,
+        "noise": laws.noise,
         "words": [sentence(one, coordinate) for one in laws.findings],
-        "tested": [_of_test(test) for test in laws.tests],
+        "weighed": [_of_law(law) for law in laws.laws],
     }
 
 
-def _of_test(test: LawTest) -> dict[str, Any]:
+def _of_law(law: LawWeight) -> dict[str, Any]:
     numbers = {
         _column(key, what): number
-        for key, pair in test.coefficients.items()
+        for key, pair in law.coefficients.items()
         for what, number in zip(("", "_standard_error"), pair, strict=True)
     }
-    tests = {name: (of := test.tests.get(name)) and asdict(of) for name in ("balance", "waveforms")}
-    rejected = {
-        "rejected": test.rejected,
-        "rejected_by_balance": test.rejected_by_balance,
-    }
-    return {"terms": test.terms, **numbers, **tests, **rejected}
+    of_fit = {"chi_square": law.chi_square, "degrees_of_freedom": law.freedom}
+    return {"terms": law.terms, "weight": law.weight, **numbers, **of_fit}

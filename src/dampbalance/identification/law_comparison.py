@@ -1,188 +1,224 @@
-"""Which damping law do the records support? Every law of a few terms is tested; the smallest not rejected is kept.
+"""Which damping law do records support? The laws of a few terms, each with its weight.
 
-A law is tested in two ways, both with the onset of slip of the oscillator that has this law:
+A law has friction or not, and up to `MOST_TERMS` further terms. Its coefficients p have the prior sizes τ of
+`PRIORS["law"]`, in units of the coefficient that alone would take all of the work, and are not negative. With the fit
+p̂ of covariance C and its χ², both in the noise that the best law leaves, and T = diag τ²,
 
-    balance      e = A p − W of the rows, p their generalised least squares; eᵀ C⁻¹ e, C the covariance of e by the
-                 jackknife over the cycles of all records, all rows together: a common K_z moves them all
-    waveforms    χ² of the harmonics of all records about the steady responses of the oscillator
+    ln E = −½ χ² + ½ ln |C|/|C + T| − ½ p̂ᵀ (C + T)⁻¹ p̂ + Σ ln 2Φ(μ_j/σ_j)
 
-each against the F distribution with its degrees of freedom. The p-value of a law is the smaller of the two, times two.
-A law without friction is tested with a friction force too small to show. Laws are rejected by Holm's procedure, which
-keeps the probability of rejecting any true law, superfluous terms or not, below `BUDGET`. The smallest law that is not
-rejected is the answer; it has a superfluous term with a probability below `BUDGET`. Where the waveforms reject every
-law, the balance decides, and of laws with the same loss those are kept that have the stiffness of the records.
+is the logarithm of its evidence (`fit.select.evidence_of`), and its weight is in proportion to E Π π/(1 − π), a factor
+for each term, π the share of the rigs that have it.
+
+Few laws need a fit. To first order a fit shows those with one term more (score test), one fewer (Wald), and one in
+place of another: the fit to the heaviest law that has none is computed until none of them weighs more than `REFITTED`.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy import special
 
+from ..arrays import Array
 from ..findings.finding import Finding
-from ..fit.goodness import as_good, probability
+from ..fit.decay import DecayFit, departures_of
+from ..fit.fit import Fit
+from ..fit.multistart import Trail, multistart
+from ..fit.score import Departure, departures_from
+from ..fit.select import PRIORS, REFITTED, bayes_factor, evidence_of, noise_of
 from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
-from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order
+from ..law.terms import FRICTION, KNOWN_TERMS, Term, in_order, term
 from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
-from ..signals.thresholds import BUDGET
-from .balance_rows import solved_forced
-from .oscillator import CommonFit, with_common_fit
 
 MOST_TERMS = 2
 """Most terms of a law that is tried, in addition to friction."""
 
+DECAY_TERMS = (FRICTION, "c", "c_2")
+"""Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
 
-@dataclass(frozen=True, slots=True)
-class Probability:
-    """A χ² with its degrees of freedom and its p-value, that of one as large in noise; NaN without freedom."""
+_PRIOR = PRIORS["law"]
+_ODDS = math.log(_PRIOR.share / (1.0 - _PRIOR.share))
+_NO_FIT = (
+    4.0  # times the noise squared: a residual twice as large as the noise is that of another model
+)
+_NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
+_ALIKE = 1.001  # of frequencies: closer ones count as one
 
-    chi_square: float
-    degrees_of_freedom: float
-    p: float
+Terms = tuple[Term, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class LawTest:
-    """The tests of one law.
+class LawWeight:
+    """A law with its weight.
 
-    terms : of the law.   coefficients : by key, (value, standard error), SI units.   tests : those that count, by name,
-    "balance" and "waveforms"; None where there is no such motion.   rejected, rejected_by_balance : by all of these, by
-    the balance alone.   explains : whether what it leaves is noise by the rules of the fit that is the answer.
-    in_phase : squares of what the waveforms leave of each record's stiffness, in standard errors.
+    coefficients : by key, (value, standard error), SI units; empty of a law that is known to first order.
+    chi_square, freedom : of its fit, in units of the noise of the records; NaN to first order.
     """
 
-    terms: tuple[str, ...]
+    terms: Terms
+    weight: float
     coefficients: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    tests: Mapping[str, Probability | None] = field(
-        default_factory=lambda: {"balance": None, "waveforms": None}
-    )
-    rejected: bool = True
-    rejected_by_balance: bool = True
-    explains: bool = True
-    in_phase: tuple[float, ...] = ()
-
-    @property
-    def balance(self) -> Probability | None:
-        """The test by the balance; None where it has no degree of freedom left, or cannot be made."""
-        test = self.tests.get("balance")
-        return None if test is None or math.isnan(test.p) else test
-
-    def p_of(self, *names: str) -> float:
-        """Return the p-value of tests together, of all unless some are named: the smallest one, times their number; 0
-        where one cannot be made."""
-        tests = [self.tests.get(name) for name in names or self.tests]
-        known = [t.p for t in tests if t is not None and not math.isnan(t.p)]
-        return 0.0 if None in tests else min([1.0, *(len(known) * p for p in known)])
+    chi_square: float = math.nan
+    freedom: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)
 class LawComparison:
-    """The tests of all laws, the smallest law first, and what follows from them.
+    """The weights of all laws.
 
-    tests : of each law.
-    chosen : terms of the smallest law that is not rejected; None where all are.
-    by_balance : whether the waveforms reject every law, so that the balance alone decides.
-    alike : other laws as small that are not rejected.   by_stiffness : those that the balance does not reject, and that
-    do not have the stiffness of the records, while the chosen one has.
-    left_out : findings on terms that these records cannot distinguish from others.
+    laws : the heaviest first.   noise : square of the scale of the noise that the best of them leaves.   left_out :
+    findings on terms that these records cannot distinguish from others.   decays : whether the records are such.
     """
 
-    tests: tuple[LawTest, ...]
-    chosen: tuple[str, ...] | None
-    by_balance: bool
-    alike: tuple[tuple[str, ...], ...]
-    left_out: tuple[Finding, ...]
-    by_stiffness: tuple[tuple[str, ...], ...] = ()
+    laws: tuple[LawWeight, ...]
+    noise: float
+    left_out: tuple[Finding, ...] = ()
+    decays: bool = False
 
     @property
-    def by(self) -> str:
-        """The tests that decide: "balance and waveforms", or one of the two."""
-        return "balance" if self.by_balance else " and ".join(self.names)
+    def chosen(self) -> Terms | None:
+        """The heaviest law; None where even that does not fit."""
+        return self.laws[0].terms if self.laws and self.noise < _NO_FIT else None
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The tests that any law was given."""
-        return max((tuple(test.tests) for test in self.tests), key=len)
+    def alike(self) -> tuple[Terms, ...]:
+        """The other laws of some weight."""
+        return tuple(one.terms for one in self.laws[1:] if one.weight > REFITTED)
 
     @property
     def findings(self) -> list[Finding]:
-        """What follows from the tests."""
-        decays = "balance" not in self.names
+        """What follows from the weights."""
+        if not self.laws:
+            return [*self.left_out, Finding("no law tested")]
+        best = {"law": self.laws[0].terms, "weight": self.laws[0].weight}
         if self.chosen is None:
-            return [*self.left_out, self._nothing_fits(decays)]
-        law = {"law": self.chosen}
-        found = [*self.left_out, Finding("law by the balance" if self.by_balance else "law", law)]
+            of = {"times": math.sqrt(self.noise), "most": MOST_TERMS, "decays": self.decays}
+            return [*self.left_out, Finding("no law", best | of)]
+        found = [*self.left_out, Finding("law", best)]
         if self.alike:
-            found.append(Finding("laws alike", {"laws": self.alike, "decays": decays}))
-        if self.by_stiffness:
-            found.append(Finding("laws of the same loss", {"laws": self.by_stiffness}))
+            found.append(Finding("laws alike", {"laws": self.alike, "decays": self.decays}))
         return found
 
-    def _nothing_fits(self, decays: bool) -> Finding:
-        if decays:
-            best = max(self.tests, key=LawTest.p_of)
-            of = {"law": best.terms, "p": best.p_of(), "most": MOST_TERMS}
-            return Finding("no law of decays", of)
-        tested = [(test.p, e.terms, test) for e in self.tests if (test := e.balance) is not None]
-        if not tested:
-            return Finding("no law tested")
-        _, terms, test = max(tested, key=lambda one: one[0])
-        size = math.sqrt(test.chi_square / test.degrees_of_freedom)
-        return Finding("no law", {"law": terms, "times": size, "most": MOST_TERMS})
 
+def weighed(
+    starts: Iterable[Terms],
+    laws: Sequence[Terms],
+    sizes: Mapping[str, float],
+    fitted: Callable[[Terms, Fit | None], Fit | None],
+    scored: Callable[[Terms, Fit], Mapping[str, Sequence[Departure]]],
+) -> tuple[tuple[LawWeight, ...], float]:
+    """Return the weights of laws, the heaviest first, and the square of the scale of the noise.
 
-_NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
-_SURE = 1e-9  # probability of a balance below which the waveforms are not asked
-_APART = 4.0  # of squares of in-phase misfits in standard errors: less is noise
-_ALIKE = 1.001  # of frequencies: closer ones count as one
-
-
-def compared(
-    terms: Sequence[str],
-    test: Callable[[tuple[Term, ...], Any], tuple[LawTest, Any] | None],
-    left_out: tuple[Finding, ...],
-    *,
-    given: Collection[str] = (),
-) -> LawComparison:
-    """Test every law of no, one or two terms in addition to friction, and of one or two without it, the smallest first.
-
-    Once a law is not rejected, of the larger laws only those that contain it are tested: it may be the one, and only
-    what more terms would add to it is of interest.
-
-    terms : to choose from, besides friction.   test : of a law, with the best fit of the laws that it contains, or
-    None: its tests and its fit, or None; None where the records cannot test it.   given : terms that all laws have.
-    left_out : of the comparison.
+    starts : laws to fit first, until one has a fit.   sizes : coefficient of each term that takes all of the work.
+    fitted : fit of a law, with the best one so far.   scored : what each term that a fit lacks would explain.
     """
-    laws = [
+    first = next(((law, fit) for law in starts if (fit := fitted(law, None)) is not None), None)
+    if first is None:
+        return (), 1.0
+    fits, tests, failed = dict([first]), dict[Terms, Any](), set[Terms]()
+
+    def weights_in(noise: float) -> dict[Terms, float]:
+        logs = dict[Terms, float]()
+        own = {law: _evidence(law, fit, sizes, noise) for law, fit in fits.items()}
+        for law in sorted(fits, key=own.__getitem__):  # the best last: nearest to what is true
+            for other, by in _neighbours(law, fits[law], tests[law], sizes, noise):
+                logs[other] = own[law] + by
+        logs = {law: of for law, of in (logs | own).items() if law in laws and law not in failed}
+        powers = np.exp(np.array([*logs.values()]) - max(logs.values()))
+        return dict(zip(logs, (powers / powers.sum()).tolist(), strict=True))
+
+    while True:
+        tests |= {law: scored(law, fit) for law, fit in fits.items() if law not in tests}
+        noise = min(noise_of(fit.chi_square, fit.freedom) for fit in fits.values())
+        # what a law far from the records leaves is no noise: the way to the best one is sought without
+        for weights in map(weights_in, (1.0, noise)):
+            asked = [law for law in weights if law not in fits and weights[law] > REFITTED]
+            if asked:
+                break
+        else:
+            every = [_weight(law, weights.get(law, 0.0), fits.get(law), noise) for law in laws]
+            return tuple(sorted(every, key=lambda one: -one.weight)), noise
+        law = max(asked, key=weights.__getitem__)
+        if (fit := fitted(law, min(fits.values(), key=lambda one: one.chi_square))) is None:
+            failed.add(law)
+        else:
+            fits[law] = fit
+
+
+def _keys(law: Iterable[str], fit: Fit) -> list[str]:
+    """Return the keys of the coefficients that a law has in a fit, those that are free."""
+    return [one.key for one in fit.parameters if one.free and one.name in {*map(str, law)}]
+
+
+def _evidence(law: Terms, fit: Fit, sizes: Mapping[str, float], noise: float) -> float:
+    """Return ln of evidence and prior of a law that is fitted."""
+    keys = _keys(law, fit)
+    tau = [_PRIOR.size * sizes[term(key).symbol] for key in keys]
+    values = np.array([fit.value(key) for key in keys])
+    covariance = noise * fit.covariance_of(*keys)
+    return evidence_of(fit.chi_square / noise, values, covariance, tau) + _ODDS * len(law)
+
+
+def _neighbours(
+    law: Terms,
+    fit: Fit,
+    tested: Mapping[str, Sequence[Departure]],
+    sizes: Mapping[str, float],
+    noise: float,
+) -> Iterable[tuple[Terms, float]]:
+    """Yield laws that differ from one by a term more, one fewer, or one in place of another, each with how much more
+    ln of evidence and prior it has, to first order."""
+
+    def factor(symbol: str, value: float, square: float) -> float:
+        prior = _PRIOR._replace(size=_PRIOR.size * sizes[symbol])
+        return bayes_factor(value, math.sqrt(noise * square), prior)[0] if square > 0.0 else 0.0
+
+    def without(symbol: str, added: Sequence[Departure] = ()) -> float:
+        lost = -_ODDS
+        for key in _keys([symbol], fit):
+            value = fit.value(key) + math.fsum(
+                one.value * one.slopes.get(key, 0.0) for one in added
+            )
+            moved = math.fsum((one.error * one.slopes.get(key, 0.0)) ** 2 for one in added)
+            lost -= factor(symbol, value, fit.error(key) ** 2 + moved)
+        return lost
+
+    if FRICTION not in law:  # what it would explain is not known: it has to be fitted
+        yield in_order((FRICTION, *law)), 0.0
+    for symbol in law:
+        yield in_order({*law} - {symbol}), without(symbol)
+    for more, of in tested.items():
+        gained = _ODDS + math.fsum(factor(more, one.value, one.error**2) for one in of)
+        yield in_order((*law, more)), gained
+        for symbol in law:
+            yield in_order({*law, more} - {symbol}), gained + without(symbol, of)
+
+
+def _weight(law: Terms, weight: float, fit: Fit | None, noise: float) -> LawWeight:
+    if fit is None:
+        return LawWeight(law, weight)
+    scale = math.sqrt(noise)
+    values = {key: (fit.value(key), scale * fit.error(key)) for key in _keys(law, fit)}
+    return LawWeight(law, weight, values, fit.chi_square, fit.freedom)
+
+
+def laws_of(terms: Sequence[str], given: Iterable[str] = ()) -> list[Terms]:
+    """Return the laws of up to `MOST_TERMS` of some terms in addition to those that are given, with friction and
+    without, the smallest first."""
+    laws = {
         in_order((*friction, *given, *some))
-        for friction in ((FRICTION,), ())[: 1 if FRICTION in given else 2]
+        for friction in ((FRICTION,), given)
         for size in range(MOST_TERMS + 1)
         for some in itertools.combinations(terms, size)
-        if friction or given or some
-    ]
-    tests: list[LawTest] = []
-    fits: dict[tuple[Term, ...], Any] = {}
-    for _, alike in itertools.groupby(sorted(laws, key=len), len):
-        enough = [set(e.terms) for e in tests if e.explains and e.p_of() > BUDGET / len(laws)]
-        for law in alike:
-            if enough and not any(smaller < set(law) for smaller in enough):
-                continue
-            within = [fit for smaller, fit in fits.items() if set(smaller) < set(law)]
-            near = min(within, key=lambda fit: float(fit.chi_square), default=None)
-            tested = test(law, near)
-            if tested is not None:
-                tests.append(tested[0])
-                if tested[1] is not None:
-                    fits[law] = tested[1]
-    return chosen_of(tests, left_out)
+    }
+    return sorted(filter(None, laws), key=lambda law: (len(law), law))
 
 
 @one_thread
@@ -193,7 +229,7 @@ def compare_laws(
     law: Law | None = None,
     mass: float | None = None,
 ) -> LawComparison:
-    """Test the laws of up to two terms in addition to friction, or without it, on forced records, see `compared`.
+    """Weigh the laws of up to two terms in addition to friction, or without it, on forced records.
 
     Use it where the damping is not known to be viscous: on records of several amplitudes, and of two frequencies or
     more to distinguish c from eta.
@@ -205,102 +241,103 @@ def compare_laws(
     frequencies = [reading.steady.frequency_hz for reading in readings]
     left_out: tuple[Finding, ...] = ()
     every = in_order((*KNOWN_TERMS, *asked.terms))
-    terms: list[str] = [s for s in every if s not in (FRICTION, *asked.given)]
+    terms = [s for s in every if s not in (FRICTION, *asked.given)]
     if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= {*terms}:
-        terms.remove("eta")
+        terms.remove(term("eta"))
         left_out = (Finding("eta like c"),)
     none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
 
-    def test(kept: tuple[Term, ...], near: WaveformFit | None) -> tuple[LawTest, Any] | None:
-        rubs = FRICTION in kept
-        given = asked.given if rubs else {**asked.given, **none}
+    def problem_of(kept: Iterable[str]) -> HarmonicProblem:
+        given = asked.given if FRICTION in kept else {**asked.given, **none}
         groups = {s: of for s, of in asked.groups.items() if s in kept}
-        tried = Law(in_order((FRICTION, *kept)), given, groups)
-        if len(tried.unknowns) > len(readings):
-            return None
-        # the onset of a slip that stands for none has errors beyond first order, and enters no row
-        alone = LawTest(kept) if rubs else _by_balance(kept, tried, readings, CommonFit(None))
-        if alone.balance is not None and alone.balance.p < _SURE:
-            return alone, None  # where there is friction, the balance shows it at once
-        fit = fit_quickly(HarmonicProblem(tried, lines, k), near)
+        return HarmonicProblem(Law(in_order((FRICTION, *kept)), given, groups), lines, k)
+
+    def fitted(kept: Terms, near: Any) -> WaveformFit | None:
+        fit = fit_quickly(problem_of(kept), near)
         if fit is not None and mass is not None and fit.parameters["m"].free:
             fit = refit(fit, given={"m": mass}) or fit
-        if fit is None:
-            return LawTest(kept), None
-        balance = _by_balance(kept, tried, readings, CommonFit(fit)) if rubs else alone
-        p = probability(fit.chi_square, fit.freedom, fit.lines)
-        waveforms = {"waveforms": Probability(fit.chi_square, fit.freedom, p)}
-        in_phase = tuple(fit.in_phase.tolist())
-        return replace(balance, tests={**balance.tests, **waveforms}, in_phase=in_phase), fit
+        return fit
 
-    return compared(terms, test, left_out, given=asked.given)
+    def scored(kept: Terms, fit: Any) -> dict[str, Sequence[Departure]]:
+        rest = [s for s in terms if s not in kept]
+        tests = {s: _of_term(s, problem_of((*kept, s)), fit) for s in rest}
+        return {s: of for s, of in tests.items() if of}
 
-
-def chosen_of(tests: Sequence[LawTest], left_out: tuple[Finding, ...] = ()) -> LawComparison:
-    """Return what follows from the tests of laws: Holm's procedure, and the smallest law that it does not reject."""
-    both, alone = (_rejected([e.p_of(*names) for e in tests]) for names in ((), ["balance"]))
-    tests = [
-        replace(e, rejected=one or not e.explains, rejected_by_balance=other)
-        for e, one, other in zip(tests, both, alone, strict=True)
+    laws = [
+        one
+        for one in laws_of(terms, asked.given)
+        if len(problem_of(one).law.unknowns) <= len(readings)
     ]
-    with_balance = any("balance" in e.tests for e in tests)
-    by_balance = with_balance and all(both)
-    kept = [e for e in tests if not (e.rejected_by_balance if by_balance else e.rejected)]
-    if with_balance:
-        kept = [e for e in kept if e.balance is not None]
-    smallest = [e for e in kept if len(e.terms) == min(len(k.terms) for k in kept)]
-    smallest.sort(key=lambda e: -e.p_of(*["balance"] * by_balance))
-    if by_balance:  # none has the waveforms: the stiffness is the second witness
-        best = min(smallest, key=lambda e: float(np.mean(e.in_phase or math.inf)), default=None)
-        smallest = [e for e in smallest if best is None or _as_stiff(e, best)]
-    found = [e.terms for e in smallest]
-    chosen, alike = (found[0], tuple(found[1:])) if found else (None, ())
-    by_stiffness = tuple(
-        e.terms
-        for e in tests
-        if e.balance is not None
-        and not (e.rejected_by_balance or e in smallest)
-        and len(e.terms) == len(chosen or ())
-        and not _as_stiff(e, smallest[0])
+    starts = [one for one in laws if FRICTION in one and len({*one} & {*terms}) == 1] or laws
+    sizes = _sizes(problem_of((FRICTION, *terms)))
+    return LawComparison(*weighed(starts, laws, sizes, fitted, scored), left_out)
+
+
+def _of_term(symbol: str, problem: HarmonicProblem, fit: WaveformFit) -> Sequence[Departure]:
+    """Return what the coefficients of one more term would explain of the residual of a fit, to first order; nothing
+    where the motion under it cannot be followed."""
+    start = problem.like(fit)
+    start = start if fit.parameters["m"].free else start.held("m")
+    whole = problem.evaluate(start.values, start.free, Trail())
+    if whole is None:
+        return ()
+    added = {one.key: whole[:, start.places[one.key]] for one in start if one.name == symbol}
+    free = [one for one in start if one.free and one.name != symbol]
+    free.sort(key=lambda one: one.name in ("Y", "psi"))
+    known = whole[:, [start.places[one.key] for one in free]]
+    return departures_from(whole[:, -1], known, added, [one.key for one in free], noise_known=True)
+
+
+def _sizes(problem: HarmonicProblem) -> dict[str, float]:
+    """Return the coefficient of each term that alone takes the work of a record, the median of the records."""
+    dampers: Array = np.array(  # c = kY sin φ/(ωX), and F_k = πkY sin φ/4
+        [
+            problem.k * one.Y * abs(one.x[0].imag) / abs(one.x[0]) ** 2 / one.omega
+            for one in problem.lines
+        ]
     )
-    by_balance = by_balance and bool(kept)
-    return LawComparison(tuple(tests), chosen, by_balance, alike, left_out, by_stiffness)
+    speeds = np.array([one.omega * abs(one.x[0]) for one in problem.lines])
+    of = {str(s): problem.equivalents(s) * dampers for s in problem.law.terms}
+    of[FRICTION] = 0.25 * math.pi * dampers * speeds
+    return {s: float(np.median(values)) for s, values in of.items()}
 
 
-def _as_stiff(test: LawTest, best: LawTest) -> bool:
-    """Return whether a law has the stiffness of the records as well as another does, or none was fitted to tell."""
-    a, b = np.array(test.in_phase), np.array(best.in_phase)
-    return a.size != b.size or a.size < 2 or as_good(a, b) or float(np.mean(a - b)) < _APART
+@one_thread
+def compare_decay_laws(fit: DecayFit) -> LawComparison:
+    """Weigh the laws of c and c_2 in addition to friction, or without it, on free decays.
 
+    Use it where the damping is not known to be viscous.
 
-def _by_balance(
-    terms: tuple[str, ...], law: Law, readings: Sequence[Reading], common: CommonFit
-) -> LawTest:
-    """Return the test of one law by the balance.
-
-    terms : of it; `law` may have a friction force that stands for none.   common : with the oscillator that has it, or
-    none, whose rows need no onset of slip.
+    fit : of the oscillator with friction and viscous damping to all decays.
     """
-    readings = with_common_fit(readings, common, law)
-    frictionless = common.fit is None
-    _, of = solved_forced(
-        *(readings, law, readings[0].steady.k), frictionless=frictionless, correlated=True
-    )
-    if not of.estimates:
-        return LawTest(terms, {}, {"balance": None})
-    # the covariance comes from as many degrees of freedom as there are cycles, less one
-    cycles = min(len(reading.steady.weights) for reading in readings)
-    p = float(special.fdtrc(of.freedom, cycles - 1, of.misfit)) if of.freedom else math.nan
-    coefficients = {key: (one.value, one.standard_error) for key, one in of.estimates.items()}
-    return LawTest(terms, coefficients, {"balance": Probability(of.chi_square, of.freedom, p)})
+    speed = fit.problem.speed(fit.point)
+    orders = {s: KNOWN_TERMS[s].order for s in DECAY_TERMS}
+    force = math.fsum(fit.value(s) * speed**n for s, n in orders.items())
+    sizes = {s: force / speed**n for s, n in orders.items()}
+
+    def fitted(kept: Terms, near: Any) -> DecayFit | None:
+        if near is None:
+            return fit
+        return fit_law(fit, kept, [near.parameters, fit.parameters])
+
+    def scored(kept: Terms, of: Any) -> dict[str, Sequence[Departure]]:
+        return {one.symbol: [one] for one in departures_of(of) if one.symbol in DECAY_TERMS}
+
+    own = in_order(s for s in DECAY_TERMS if s in fit.free)
+    laws = laws_of([s for s in DECAY_TERMS if s != FRICTION])
+    left_out = (Finding("damping alike in decays"),)
+    return LawComparison(*weighed([own], laws, sizes, fitted, scored), left_out, decays=True)
 
 
-def _rejected(p: Sequence[float]) -> list[bool]:
-    """Return Holm's procedure: the smallest p, the second … are rejected while below BUDGET/n, BUDGET/(n − 1) …"""
-    order = sorted(range(len(p)), key=lambda i: p[i])
-    rejected = [False] * len(p)
-    for rank, i in enumerate(order):
-        if p[i] > BUDGET / (len(p) - rank):
-            break
-        rejected[i] = True
-    return rejected
+def fit_law(fit: DecayFit, terms: Sequence[str], starts: Sequence[Any] = ()) -> DecayFit | None:
+    """Return the oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to
+    one.
+
+    terms : of `DECAY_TERMS`.   starts : to climb from; default, that of the fit.
+    """
+    kept = {s for s in fit.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in terms)}
+    out = {one.key: 0.0 for one in fit.parameters if one.name in {*DECAY_TERMS} - {*terms}}
+    points = (start.by_key | out for start in starts or (fit.parameters,))
+    free = kept | {*map(str, terms)}
+    ends = multistart(fit.problem, [fit.problem.parameters(one, free) for one in points])
+    return ends[0] if ends else None

@@ -32,7 +32,6 @@ from ..project.wording import (
 from ..records.coordinate import Coordinate
 from ..solver import NORMAL_95
 from .answer import USABLE, ParameterEstimate, Verdict
-from .law_comparison import LawComparison, Probability
 
 if TYPE_CHECKING:
     from .level import Column
@@ -80,8 +79,8 @@ def details(found: Result[Any], width: int | None = None) -> str:
     """Return all sentences and tables: see `Result.text`."""
     said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
     numbers = [*wrapped([found.head], width), "", *aligned(answers_table(found)), "", *said]
-    if tests := comparison(found, width):
-        numbers += ["", *tests]
+    for table in (weights(found), comparison(found, width)):
+        numbers += ["", *table] if table else []
     heading = "Causes and remedies" if found.unanswered else "What limits the answer"
     limits = limiting(found)
     causes = [f"{heading}:", *wrapped(limits, width)] if limits else []
@@ -312,38 +311,30 @@ def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
     return broken
 
 
+def weights(found: Result[Any]) -> list[str]:
+    """Return a line for each model that was weighed: what it has beyond the plain one, and of what size."""
+    if not found.weighed:
+        return []
+    lines = [
+        (name or "none", f"{weight:.2g}", with_error(size, error) if error else "")
+        for name, weight, size, error in found.weighed
+    ]
+    return aligned([("departure", "weight", "size (SI)"), *lines])
+
+
 def comparison(found: Result[Any], width: int | None) -> list[str]:
-    """Return what follows from a comparison of laws, and a line for each law with its tests."""
+    """Return what follows from a comparison of laws, and a line for each law with its weight."""
     if found.laws is None:
         return []
-    names, coordinate = found.laws.names, found.coordinate
-    title = f"p-value of the residual of each law in the {' and in the '.join(names)}:"
-    said = [*found.in_sentences(found.laws.findings), title]
-    return [*wrapped(said, width), "", *aligned(_tests(found.laws, coordinate))]
-
-
-def _tests(laws: LawComparison, coordinate: Coordinate) -> list[list[str]]:
-    """Return a line for each law with its tests, below a line of heads."""
-    table = [["law", *laws.names, "", "coefficients"]]
-    for test in laws.tests:
-        rejected = test.rejected_by_balance if laws.by_balance else test.rejected
-        word = "chosen" if laws.chosen == test.terms else "rejected" if rejected else "possible"
+    lines = [("law", "weight", "coefficients")]
+    for one in found.laws.laws:
         values = ", ".join(
-            f"{coordinate.symbol(key)} = {number_text(value, 5)} ± {number_text(error, 2)}"
-            for key, (value, error) in test.coefficients.items()
+            f"{found.coordinate.symbol(key)} = {number_text(value, 5)} ± {number_text(error, 2)}"
+            for key, (value, error) in one.coefficients.items()
         )
-        tests = [_in_noise(test.tests.get(name)) for name in laws.names]
-        law = ", ".join(map(coordinate.symbol, test.terms))
-        table.append([law, *tests, word, "" if word == "rejected" else values])
-    return table
-
-
-def _in_noise(test: Probability | None) -> str:
-    if test is None:
-        return "–"
-    if math.isnan(test.p):
-        return "no degrees of freedom left"
-    return "< 1e-6" if test.p < 1e-6 else f"{test.p:.2g}"
+        law = ", ".join(map(found.coordinate.symbol, one.terms))
+        lines.append((law, f"{one.weight:.2g}", values))
+    return [*wrapped(found.in_sentences(found.laws.findings), width), "", *aligned(lines)]
 
 
 def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[Finding]:
