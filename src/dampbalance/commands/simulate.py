@@ -39,8 +39,6 @@ from ..records.synthetic import measured_orbit
 from ..records.writers import write
 from .options import FILE, argument, coefficients, quantity, sliders, whole
 
-_MOST_SWINGS = 300_000  # a second or two of computing
-_MOST_SWINGS_OF_LAW = 3_000  # a minute or two
 # the paper's oscillator: m, kg, c, N s/m, k and K_z, N/m, F_k, N
 MASS, DAMPING, STIFFNESS, CONTACT, FRICTION = 2.42, 90.0, 2310.0, 208000.0, 1.28
 
@@ -147,7 +145,8 @@ def require_brief(
 ) -> None:
     """Raise ValueError where the oscillator swings more often within a duration, s, than can be followed."""
     swings = math.sqrt((osc.k + osc.K_z) / osc.m) * duration / (2.0 * math.pi)
-    most = _MOST_SWINGS_OF_LAW if law else _MOST_SWINGS
+    # a second or two of computing; of a law a minute or two
+    most = 3_000 if law else 300_000
     if swings > most:
         raise ValueError(
             f"the oscillator swings {swings:.2g} times in {within}, and no more than {most:,} can be followed"

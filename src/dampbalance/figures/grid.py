@@ -23,7 +23,6 @@ ROOM = 1.4  # ratio by which a signed axis goes beyond its last power of ten, so
 CLEAR = 6.5  # points from the frame to labels along x, below the lowest one along y
 LINEAR_SHARE = 0.2  # of the linear part of a signed axis, the width of the asinh: there it takes as much as a decade
 NAMED = 10  # labels of an axis that fit one above the other
-_SHORT = 12.0  # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
 TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
 
 
@@ -174,7 +173,8 @@ def logarithmic_ticks(axes: Axes, which: str, low: float, high: float, ends: boo
     """
     axes.set(**{f"{which}scale": "log"})
     axis = axes.xaxis if which == "x" else axes.yaxis
-    short = high / low <= _SHORT
+    # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
+    short = high / low <= 12.0
     subs = (1.0, 2.0, 3.0, 5.0) if short else (1.0,)
     axis.set_major_locator(LogLocator(base=10.0, subs=subs, numticks=20))
     axis.set_minor_locator(LogLocator(base=10.0, subs=np.arange(2.0, 10.0).tolist(), numticks=200))

@@ -30,10 +30,6 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..jit import jit
 
-_STEP = 0.1  # of r, of a step of fourth order around a rounded knee: its error is 1e-6
-_SATURATED = 1e-12  # rate at which the deflection still grows that does not matter
-_SMALL = 1e-2  # ϑ below which two terms of a series are closer than the difference
-
 
 def describing(part: Array) -> Complexes:
     """Return D, the fundamental of the deflection of an element that slips at this part r/X of the amplitude of a
@@ -42,7 +38,8 @@ def describing(part: Array) -> Complexes:
     root = np.sqrt(part)
     theta = 2.0 * np.arcsin(root)  # accurate for small ones
     in_phase = theta - 2.0 * root * np.sqrt(1.0 - part) * (1.0 - 2.0 * part)
-    in_phase = np.where(theta > _SMALL, in_phase, theta**3 * (1.0 - 0.2 * theta**2) / 1.5)
+    # ϑ below which two terms of a series are closer than the difference
+    in_phase = np.where(theta > 1e-2, in_phase, theta**3 * (1.0 - 0.2 * theta**2) / 1.5)
     return np.asarray((in_phase + 4j * part * (1.0 - part)) / np.pi)
 
 
@@ -61,11 +58,13 @@ def _moved(z: float, dx: float, r: float, n: float) -> float:
         return min(max(z + dx, -r), r)
     way = math.copysign(1.0, dx)
     back = min(abs(z), abs(dx)) if z * way < 0.0 else 0.0
-    steps = 1 + int((abs(dx) - back) / (_STEP * r))
+    # a step of fourth order, 0.1 r, around a rounded knee: its error is 1e-6
+    steps = 1 + int((abs(dx) - back) / (0.1 * r))
     h, u = (abs(dx) - back) / r / steps, min(way * (z + way * back) / r, 1.0)
     for _ in range(steps if abs(dx) > back else 0):
         a = 1.0 - abs(u) ** n
-        if a < _SATURATED:
+        # the deflection hardly grows
+        if a < 1e-12:
             break
         b = 1.0 - abs(u + 0.5 * h * a) ** n
         c = 1.0 - abs(u + 0.5 * h * b) ** n

@@ -10,7 +10,6 @@ from ..arguments import NUMBERS, items, mapping, names, number
 from .terms import FRICTION, Term, in_order, term
 
 _GIVEN = "a mapping of symbols to coefficients"
-_SAME_FREQUENCY = 1.001  # ratio of two frequencies: nearer ones count as one
 
 
 @dataclass(frozen=True)
@@ -110,7 +109,8 @@ class Law:
         count = len(frequencies_hz)
         self.require_labels(count)
         alike = [s for s in ("c", "eta") if s in self.terms and s not in self.given]
-        if len(alike) > 1 and max(frequencies_hz) < _SAME_FREQUENCY * min(frequencies_hz):
+        # ratio of two frequencies: nearer ones count as one
+        if len(alike) > 1 and max(frequencies_hz) < 1.001 * min(frequencies_hz):
             raise ValueError(
                 f"at one frequency ({frequencies_hz[0]:.4g} Hz) structural damping eta and viscous damping c act "
                 "alike, c = eta k/omega: leave out one of them, or add records at another frequency"

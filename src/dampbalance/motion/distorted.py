@@ -22,13 +22,7 @@ from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .orbit import NoSteadyOrbit, Orbit
 from .regime import Regime
 
-_STEPS_PER_RADIAN = 4.0
 _MOST_STEPS = 100_000  # steps in a phase: a contact that takes more is as good as rigid
-_MOST_PHASES = 512
-_MOST_TRIALS = 60  # trials for the time of an event; about eight are needed
-_ROUNDING = 1e-14  # relative to the change of an event's quantity in a step
-_NEWTON = 40
-_CONVERGED = 1e-11  # relative to the displacement: change of the state over a period
 
 
 @jit
@@ -86,10 +80,12 @@ def _crossing(
     z, side, size = level
     low, (high, at_high), kept, t = 0.0, end, 0, 0.0
     at_low = side * (z if sticks else here[0]) - size
-    small = _ROUNDING * (abs(at_high) + abs(at_low))
+    # 1e-14 relative to the change of an event's quantity in a step
+    small = 1e-14 * (abs(at_high) + abs(at_low))
     if at_low >= 0.0:  # it begins at the level
         at_low = -at_high
-    for _ in range(_MOST_TRIALS):
+    # trials for the time of an event; about eight are needed
+    for _ in range(60):
         t = high - at_high * (high - low) / (at_high - at_low)
         gained, rate = _motion(t, here, of_phase, drive)
         off = side * (z + gained if sticks else rate) - size
@@ -150,7 +146,8 @@ def _period(
         contact, kappa = (par.K_z * z, par.k + par.K_z) if sticks else (s * par.F_k, par.k)
         start, of_phase = (v, -(par.k * x + contact) / par.m), (delta, kappa / par.m, par.omega)
         fastest = max(math.sqrt(kappa / par.m), delta, y.size * par.omega)
-        steps = max(8, math.ceil(_STEPS_PER_RADIAN * fastest * (end - t)))
+        # 4.0 steps per radian of the fastest motion
+        steps = max(8, math.ceil(4.0 * fastest * (end - t)))
         if steps > _MOST_STEPS and not sticks:
             return 0, x, v, z
         h, gained, rate, high, event = (end - t) / steps, 0.0, v, end - t, False
@@ -198,12 +195,14 @@ def _steady(
     x, v, z = state
     Z_m, jacobian = par.F_k / par.K_z, np.empty((3, 3))
     size = abs(x)
-    for _ in range(_NEWTON):
+    # 40 steps of Newton's method at most
+    for _ in range(40):
         count, x1, v1, z1 = _period(x, v, z, theta, y, par, phases, jacobian)
         if count == 0:
             return 0
         off = np.array([x1 - x, v1 - v, z1 - z])
-        if abs(off[0]) + abs(off[1]) / par.omega + abs(off[2]) < _CONVERGED * size:
+        # 1e-11 relative to the displacement: change of the state over a period
+        if abs(off[0]) + abs(off[1]) / par.omega + abs(off[2]) < 1e-11 * size:
             return count
         step = np.linalg.solve(np.eye(3) - jacobian, off)
         if not abs(step[0]) + abs(step[1]) / par.omega < size:  # NaN is not
@@ -260,7 +259,8 @@ def distorted_harmonics(orbit: Orbit, base: Complexes, count: int) -> Complexes:
     if orbit.regime not in (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS):
         # a contact that only sticks is a spring, one without friction is nothing
         return par.k * y / (impedance + (par.K_z if par.F_k > 0.0 else 0.0))
-    phases = np.empty((_MOST_PHASES, 5))
+    # 512 phases at most
+    phases = np.empty((512, 5))
     state = float(first[PHASE_X]), float(first[PHASE_V]), float(first[PHASE_Z])
     found = _steady(state, orbit.theta, base, par, phases)
     if not found:

@@ -21,9 +21,6 @@ PHASE_T, PHASE_S, PHASE_X, PHASE_V, PHASE_Z = range(5)
 MOST_RADIANS = 2e7
 """Radians of the fastest motion of an oscillator that are followed to find an orbit: seconds of computing."""
 
-_STEPS_PER_RADIAN = 2.5
-_HALVINGS = 60
-_UNDER = 0.999  # of the critical damping: a free motion below it has closed forms of its turns
 
 _Motion = tuple[float, float, float, float, float]  # u, u̇, ü and the next two derivatives
 
@@ -110,7 +107,8 @@ def _just_inside(which: int, lower: float, upper: float, before: float, phase: P
     """Return a time before `before` at which a motion that starts on the edge of [lower, upper] is within it; 0 if it
     leaves at once."""
     t = before
-    for _ in range(_HALVINGS):
+    # 60 halvings reach the last bit
+    for _ in range(60):
         t *= 0.5
         if lower < _motion(t, phase)[which] < upper:
             return t
@@ -162,11 +160,13 @@ def leaving(
 ) -> tuple[bool, float, float]:
     """Return (whether, t, level): whether u (which = 0) or u̇ (which = 1) leaves [lower, upper] before `limit`, s,
     when, and at which of the two; t is the limit, except for rounding, where it stays within."""
-    if phase.A == 0j and phase.delta < _UNDER * math.sqrt(phase.Omega2):
+    # 0.999 of the critical damping: a free motion below it has closed forms of its turns
+    if phase.A == 0j and phase.delta < 0.999 * math.sqrt(phase.Omega2):
         t, level = _free_end(which, lower, upper, phase)
         return t < limit, min(t, limit), level
     fastest = max(phase.omega, math.sqrt(phase.Omega2), phase.delta)
-    n = max(1, math.ceil(_STEPS_PER_RADIAN * limit * fastest))
+    # 2.5 steps per radian of the fastest motion
+    n = max(1, math.ceil(2.5 * limit * fastest))
     low, at_low = 0.0, _motion(0.0, phase)
     for i in range(1, n + 1):
         high = limit * i / n

@@ -29,9 +29,7 @@ from typing import NamedTuple
 from ..jit import jit
 from ..model import Parameters
 
-_SERIES_BELOW = 0.2  # of (Ω + δ) t: twelve terms of the Taylor series are then exact to rounding
 _CRITICAL_BELOW = 1e-3  # of |δ² − Ω²| t²: four terms of the series in it are then exact to rounding
-_RESONANT_BELOW = 0.1  # of |Ω² − ω² + 2iδω| / (Ω² + ω²): more than a digit would cancel in P
 
 
 @jit
@@ -54,7 +52,8 @@ def step_response(t: float, delta: float, Omega2: float) -> tuple[float, float, 
 
     Under-, critically and over-damped alike. t : s.   delta : 1/s, ≥ 0.   Omega2 : 1/s², > 0.
     """
-    if (math.sqrt(Omega2) + delta) * t < _SERIES_BELOW:
+    # 0.2 of (Ω + δ) t: twelve terms of the Taylor series are then exact to rounding
+    if (math.sqrt(Omega2) + delta) * t < 0.2:
         J, S = _step_response_series(t, delta, Omega2)
     else:
         J, S = _step_response_closed(t, delta, Omega2)
@@ -110,7 +109,8 @@ def harmonic_response(
     """
     D = complex(Omega2 - omega * omega, 2.0 * delta * omega)
     D_squared = D.real * D.real + D.imag * D.imag
-    resonant = _RESONANT_BELOW * (Omega2 + omega * omega)
+    # 0.1 of |Ω² − ω² + 2iδω| / (Ω² + ω²): more than a digit would cancel in P
+    resonant = 0.1 * (Omega2 + omega * omega)
     if D_squared < resonant * resonant or D_squared * t * t < 0.01 * omega * omega:
         Omega = math.sqrt(Omega2)
         radians = (Omega + delta + omega) * t

@@ -23,8 +23,6 @@ from ..model import Parameters
 from .events import PHASE_V, PHASE_X, PHASE_Z, locate, read_phase
 from .flow import Phase, inverse, move, phase_start, unit
 
-_UNDAMPED_BELOW = 1e-3  # of 2δt
-_CANCELLED_BELOW = 1e-2  # of ∫ ẋ² beside the same integral of the forced motion
 PANEL = 8.0
 """Radians of the fastest oscillation of an integrand: 12 Gauss points are then exact to rounding."""
 
@@ -86,14 +84,16 @@ def measure(phases: Array, count: int, theta: float, par: Parameters) -> Measure
         phase = phase_start(s, x, v, z, turn, par)
         if x < 0.0 <= x_end and math.isnan(t_zero):
             t_zero = t + locate(0, -x, 0.0, duration, 0.0, phase)
-        undamped = 2.0 * phase.delta * duration < _UNDAMPED_BELOW
+        # 1e-3 of 2δt
+        undamped = 2.0 * phase.delta * duration < 1e-3
         forced = square = 0.0
         one = three = five = 0j
         if not undamped:
             gained = z_end - z if s == 0.0 else x_end - x  # z keeps the digits of a short stick
             ends, turns, drive = (gained, v_end), (turn, turn_end), par.k * par.Y / par.m
             forced, square, one, three, five = _by_ends(duration, phase, ends, turns, drive)
-        cancelled = square < _CANCELLED_BELOW * forced
+        # 1e-2 of ∫ ẋ² beside the same integral of the forced motion
+        cancelled = square < 1e-2 * forced
         if undamped or (cancelled and phase.delta * phase.delta < phase.Omega2):
             square, one, three, five = _by_gauss(duration, phase, turn)
         b += 2.0 * square

@@ -45,7 +45,6 @@ HARMONICS = 32
 
 # Points of a phase: exact for the 63rd harmonic over half a cycle and more.
 _POINTS, _MOST_POINTS = 40, 400
-_RIGID = 1e-11  # relative to X: shorter microstick lines are rounding
 
 
 @cache
@@ -165,7 +164,8 @@ class System:
             )
         stiff, soft = math.sqrt((o.k + o.K_z) / o.m), math.sqrt(o.k / o.m)
         phases = [(half, stiff if orbit.regime == Regime.NO_SLIP else soft)]
-        if orbit.regime == Regime.ONE_SLIP and o.Z_m >= _RIGID * orbit.X:
+        # 1e-11 relative to X: shorter microstick lines are rounding
+        if orbit.regime == Regime.ONE_SLIP and o.Z_m >= 1e-11 * orbit.X:
             phases.insert(0, (orbit.t_s, stiff))
         swings = (length * (rate + o.c / o.m) / (2.0 * math.pi) for length, rate in phases)
         points = (_POINTS + 20 * int(min(s, 1e3) / 3.0) for s in swings)
@@ -305,13 +305,8 @@ class System:
         return force, np.asarray(o.K_z * sticks, dtype=np.float64), 0.0
 
 
-_MOST = 40  # steps
 # relative to the unknowns: a step as short leaves its square, which is rounding
 _CONVERGED_STATE = 1e-8
-_BESIDE = 1e-5  # relative to the unknowns: a step as short, with derivatives from there, leaves its square, 1e-10
-_FAR = 0.3  # relative to the unknowns: a step as long may lead away
-_SHORTEST = 1.0 / 256.0  # part of such a step
-_EQUIVALENCES = 3  # repetitions that bring c_e near that of the response
 
 
 class Solution(NamedTuple):
@@ -490,7 +485,8 @@ def steady_response(
 def _equivalent(oscillator: Oscillator, base: BaseMotion, others: Mapping[str, float]) -> Orbit:
     """Return the orbit with the linear damper that takes nearly the work of the other terms."""
     extra, X = 0.0, base.Y
-    for repetition in range(_EQUIVALENCES):
+    # three repetitions bring c_e near that of the response
+    for repetition in range(3):
         work = math.fsum(
             float(p * term(s).harmonic(base.omega, X, 0.0, 0.0, oscillator.k))
             for s, p in others.items()
@@ -512,11 +508,13 @@ def _solved(system: System, near: Response | None) -> Solution:
         q = q.copy()
         q[n + 1] -= math.remainder(orbit.theta - near.orbit.theta, 2.0 * math.pi)
         step = -np.linalg.solve(matrix, system.equations(q, slopes=False)[0])
-        if float(np.abs(step / _scale(q, n)).max()) < _BESIDE:
+        # relative to the unknowns: a step as short, with derivatives from there, leaves its square, 1e-10
+        if float(np.abs(step / _scale(q, n)).max()) < 1e-5:
             _require_kind(system, q + step)
             return Solution(system, q + step, matrix)
     left, matrix = system.equations(q)
-    for _ in range(_MOST):
+    # 40 steps
+    for _ in range(40):
         step, before, part = -np.linalg.solve(matrix, left), np.linalg.norm(left), 1.0
         size = float(np.abs(step / _scale(q, n)).max())
         if not size < 1e3:
@@ -527,7 +525,8 @@ def _solved(system: System, near: Response | None) -> Solution:
             return Solution(system, q, matrix)
         left, matrix = system.equations(q + step)
         # a step as long is halved until it brings the equations nearer to balance
-        while size > _FAR and part > _SHORTEST:
+        # 0.3 relative to the unknowns: a step as long may lead away
+        while size > 0.3 and part > 1.0 / 256.0:
             if np.linalg.norm(left) < (1.0 - 0.1 * part) * before and (q + part * step)[n] > 0.0:
                 break
             part *= 0.5

@@ -17,10 +17,6 @@ from .events import PHASE_T, PHASE_V, PHASE_X
 ACCEPTED = 1e-12
 """Energy norm of s + Φ(s), relative to that of s, where rounding stops the descent."""
 
-_CONVERGED = 1e-14  # relative energy norm at which the descent ends
-# least singular value of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
-_SINGULAR = 1e-9
-
 
 def mirrored_state(
     closure: Callable[[Array], tuple[Array, Array]], start: Array, weights: Array, most: int
@@ -35,7 +31,8 @@ def mirrored_state(
     s, (residual, derivative) = start, closure(start)
     for _ in range(most):
         size, error = np.linalg.norm(weights * s), np.linalg.norm(weights * residual)
-        if error <= _CONVERGED * size:
+        # relative energy norm, to rounding
+        if error <= 1e-14 * size:
             break
         trial = s - np.linalg.lstsq(derivative, residual)[0]
         nearer = closure(trial)
@@ -50,7 +47,8 @@ def mirrored_state(
     else:
         return None
     scaled = derivative * weights[:, None] / weights
-    return s if np.linalg.svd(scaled, compute_uv=False)[-1] >= _SINGULAR else None
+    # least singular value of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
+    return s if np.linalg.svd(scaled, compute_uv=False)[-1] >= 1e-9 else None
 
 
 def reversal(phases: Sequence[Array], period: float) -> tuple[float, list[float]] | None:

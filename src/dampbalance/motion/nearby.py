@@ -27,7 +27,6 @@ from .period_map import half_period_map
 from .regime import Regime
 from .steady import NO_CLOSED_FORM, solve_closed
 
-_MOST_PHASES = 256  # phases of half a cycle
 _MOST_MAPS = 8
 # tolerances of `period_map`, and the shortest last phase of `steady`
 _CONVERGED, _ACCEPTED, _SHORTEST = 1e-14, 1e-12, 1e-12
@@ -43,7 +42,8 @@ def steady_orbit_near(
     """Return `steady_orbit`, to rounding, of an oscillator that differs little from that of an orbit `near`: several
     times faster where both slip more than once in a half cycle. One that is far away, or None, costs little time."""
     if near is not None and near.regime is Regime.SEVERAL_SLIPS:
-        par, phases = parameters(oscillator, motion), np.empty((_MOST_PHASES, 5))
+        # phases of half a cycle
+        par, phases = parameters(oscillator, motion), np.empty((256, 5))
         fastest = max(math.sqrt((par.k + par.K_z) / par.m), par.c / par.m, par.omega)
         few = _MOST_MAPS * math.pi * fastest <= most_radians * par.omega
         if few and solve_closed(par, phases)[0] == NO_CLOSED_FORM:

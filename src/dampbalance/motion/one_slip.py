@@ -24,9 +24,6 @@ from ..model import Parameters
 from .events import MOST_RADIANS
 from .flow import Phase, harmonic_response, phase_start, step_response, unit
 
-_MAX_NEWTON = 40
-_TOLERANCE = 4e-15  # of log |p|/Y: a few units of rounding
-
 
 @jit
 def solve_one_slip(par: Parameters) -> tuple[bool, float, float, float, float]:
@@ -43,14 +40,16 @@ def solve_one_slip(par: Parameters) -> tuple[bool, float, float, float, float]:
     smallest = math.inf
     stalled = 0
     X = p1 = p2 = V_s = 0.0
-    for _ in range(_MAX_NEWTON):
+    # 40 steps of Newton's method at most
+    for _ in range(40):
         X, p1, p2, V_s, dp1, dp2 = _half_cycle(tau, par)
         p_squared = p1 * p1 + p2 * p2
         if not p_squared > 0.0:
             return False, 0.0, 0.0, 0.0, 0.0
         error = 0.5 * math.log(p_squared) - log_Y
         slope = tau * (p1 * dp1 + p2 * dp2) / p_squared
-        if abs(error) <= _TOLERANCE:
+        # 4e-15 of log |p|/Y: a few units of rounding
+        if abs(error) <= 4e-15:
             break
         stalled = stalled + 1 if abs(error) >= smallest else 0
         if stalled > 2 and smallest < 1e-12:  # rounding keeps it from going lower

@@ -44,7 +44,6 @@ _SIGNS = {
     **{"v": r"\dot x", "acceleration": r"\ddot x", "phi": r"\varphi", "omega": r"\omega"},
     "zero_crossing": r"\mathrm{zero\ crossing}",
 }
-_POINTS = 2001  # points of a period that is drawn
 
 
 class NoSteadyOrbit(ArithmeticError):
@@ -201,7 +200,9 @@ class Orbit:
             return at[against], at[quantity]
 
         whole_period = np.union1d(
-            np.linspace(0.0, 2.0 * half, _POINTS), [*begins, *(half + begins)]
+            # of a period that is drawn
+            np.linspace(0.0, 2.0 * half, 2001),
+            [*begins, *(half + begins)],
         )
         (drawn_line,) = ax.plot(*line(whole_period), **style)
         width = 2.5 * drawn_line.get_linewidth()

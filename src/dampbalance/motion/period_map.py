@@ -25,9 +25,7 @@ from ..model import Parameters
 from .events import MOST_RADIANS, PHASE_S, PHASE_T, PHASE_X, run
 from .flow import step_response
 
-_MAX_MAPS = 4000  # half periods; Newton's method takes ten or so
 _CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
-_ACCEPTED = 1e-12  # like `_CONVERGED`, where rounding stops the descent
 
 
 @jit
@@ -100,7 +98,8 @@ def solve_period_map(
     """
     Z_m = par.F_k / par.K_z
     fastest = max(math.sqrt((par.k + par.K_z) / par.m), par.c / par.m, par.omega)
-    most = min(float(_MAX_MAPS), most_radians * par.omega / (math.pi * fastest))
+    # 4,000 half periods; Newton's method takes ten or so
+    most = min(4e3, most_radians * par.omega / (math.pi * fastest))
     if most < 1.0:
         return False, x, v, z
     jacobian, trial_jacobian = np.empty((3, 3)), np.empty((3, 3))
@@ -122,7 +121,7 @@ def solve_period_map(
             x1, v1, z1, residual = x2, v2, z2, trial_residual
             jacobian, trial_jacobian = trial_jacobian, jacobian
             continue
-        if residual <= _ACCEPTED * size:  # rounding keeps it from going lower
+        if residual <= 1e-12 * size:  # rounding keeps it from going lower
             return True, x, v, z
         for _ in range(plain):
             x, v, z = -x1, -v1, -z1

@@ -35,10 +35,6 @@ from .states import State
 MOST_SLIDERS = 200
 """Elements of a contact; the time for an orbit, a tenth of a second for so many, grows as the cube of their number."""
 
-_MOST_MAPS = 2000  # pairs of half periods; Newton's method takes ten or so
-# relative to half a period: a shorter last phase is the rounding of the half period
-_SHORTEST = 1e-12
-
 
 class Sliding(NamedTuple):
     """Numbers that kernels take: the oscillator and its excitation, r_j, m, and κ_j, N/m, of the elements, (n,)."""
@@ -242,7 +238,8 @@ def sliders_orbit(
         return (state + end if followed else np.full(2 + n, np.inf)), np.eye(2 + n) + carried
 
     fastest = max(math.sqrt((par.k + kappa.sum()) / par.m), par.c / par.m, par.omega)
-    most = min(_MOST_MAPS, int(0.5 * MOST_RADIANS / (half * fastest)))
+    # 2,000 pairs of half periods; Newton's method takes ten or so
+    most = min(2000, int(0.5 * MOST_RADIANS / (half * fastest)))
     state = mirrored_state(closure, np.zeros(2 + n), np.sqrt([par.k, par.m, *kappa]), most)
     if state is None:
         raise NoSteadyOrbit(f"found no steady orbit of {oscillator} on {n} sliders under {motion}")
@@ -255,7 +252,8 @@ def sliders_orbit(
         theta, state = math.pi - cmath.phase(x), np.full(2 + n, -abs(x))
         state[1] = 0.0
     count = follow(state, theta, half, of, phases, nothing)
-    while count > 1 and half - phases[count - 1, PHASE_T] < _SHORTEST * half:
+    # 1e-12 relative to half a period: a shorter last phase is the rounding of the half period
+    while count > 1 and half - phases[count - 1, PHASE_T] < 1e-12 * half:
         count -= 1
     return SlidersOrbit(oscillator, motion, r, kappa, theta, phases[:count].copy())
 

@@ -24,8 +24,6 @@ NO_CLOSED_FORM = 255
 """Regime that `solve_closed` returns for an orbit that `solve_otherwise` must find."""
 
 _NOT_FOUND, _ONE_SLIP, _SEVERAL_SLIPS, _NO_SLIP, _NO_FRICTION = map(int, Regime)
-# Part of half a period: a shorter last phase is the rounding of the half period.
-_SHORTEST = 1e-12
 
 
 def solve_steady(par: Parameters, most_radians: float = MOST_RADIANS) -> tuple[int, Array, float]:
@@ -70,7 +68,8 @@ def solve_otherwise(par: Parameters, phases: Array, most_radians: float) -> tupl
     if not found:
         return _NOT_FOUND, 0, 0.0
     half = math.pi / par.omega
-    while count > 1 and half - phases[count - 1, PHASE_T] < _SHORTEST * half:
+    # part of half a period: a shorter last phase is the rounding of the half period
+    while count > 1 and half - phases[count - 1, PHASE_T] < 1e-12 * half:
         count -= 1
     return (_ONE_SLIP if count == 2 else _SEVERAL_SLIPS), count, theta
 

@@ -22,7 +22,6 @@ from .flow import unit
 from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .regime import Regime
 
-_RADIANS = 4.0  # radians of the fastest of Ω, 2δ and ω: a series so long loses two digits at most
 _TERMS = 36  # terms of such a series, the last below rounding
 _PLACES = 0.5 * (1.0 + GAUSS_NODES)
 # Velocity of a series of the displacement over a panel, times the weight of Gauss's rule, (terms, places).
@@ -88,7 +87,8 @@ def _stuck(phases: Array, theta: float, par: Parameters, count: int) -> tuple[Ar
         t, s, _, _, _ = read_phase(phases, i)
         durations[i] = (phases[i + 1, PHASE_T] if i + 1 < longest else half) - t
         if s == 0.0:
-            panels[i] = 1 + int(durations[i] * max(fastest / _RADIANS, integrand / PANEL))
+            # four radians of the fastest of Ω, 2δ and ω: a series over more loses more than two digits
+            panels[i] = 1 + int(durations[i] * max(fastest / 4.0, integrand / PANEL))
     series, places = np.zeros((panels.sum(), _TERMS)), np.empty((panels.sum(), 2))
     at = 0
     for i in range(longest):

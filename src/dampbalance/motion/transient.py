@@ -14,7 +14,6 @@ from ..model import BaseMotion, Oscillator, parameters
 from .events import PHASE_T, run
 from .states import State, states_in_phases
 
-_CHUNK = 1024  # phases computed per call
 _MOST_RADIANS = 1e8  # half a minute of computing
 
 
@@ -83,7 +82,8 @@ def transient(
     kept = []
     t = start
     while t < end:
-        rows = np.empty((_CHUNK, 5))
+        # phases computed per call
+        rows = np.empty((1024, 5))
         count, t, x, v, z = run(x, v, z, t, end, 0.0, par, rows)
         kept.append(rows[:count])
     return Trajectory(oscillator, motion, np.concatenate(kept), end)

@@ -15,8 +15,6 @@ SYMBOL = re.compile(r"\b(?:(phi|omega|zeta)(?:_(\w))?|([A-Za-zω])_([kszmn]|\d))
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ")
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
-_DIGITS = 15  # significant digits of a float
-_MANTISSA = 6  # decimals of a number with a power of ten
 _MANY_TIMES = 1000  # larger factors are not distinguished
 
 
@@ -135,11 +133,13 @@ def rounded(value: float, spread: float) -> str:
     if not spread > 0.0:
         return written(value, ".6g")
     size = math.floor(math.log10(max(abs(value), spread)))
-    decimals = min(1 - math.floor(math.log10(spread)), _DIGITS - size)
+    # a float has 15 significant digits
+    decimals = min(1 - math.floor(math.log10(spread)), 15 - size)
     value = round(value, decimals)
     if _SMALLEST <= size < _LARGEST:
         return minus(f"{value:.{max(0, decimals)}f}")
-    return number_text(value, 1 + min(max(0, size + decimals), _MANTISSA), 0, 0)
+    # a number with a power of ten has six decimals at most
+    return number_text(value, 1 + min(max(0, size + decimals), 6), 0, 0)
 
 
 def with_error(value: float, error: float) -> str:

@@ -41,8 +41,6 @@ ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPO
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """Order of the time derivative of each motion: 0 for a displacement, 2 for an acceleration."""
 
-_LET_THROUGH = 0.2  # by a filter: below, its inverse shows noise; steeply, so that the band of the motion is exact
-
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
     """Return times, s, of `count` samples from number `first` on; the sample number 0 is taken at `start`."""
@@ -108,7 +106,8 @@ class Correction:
         omega = 2.0 * math.pi * np.fft.rfftfreq(both.size, dt)
         response = self.response(omega) * np.exp(1j * omega * self.delay)
         with np.errstate(over="ignore"):
-            taper = 1.0 / (1.0 + (_LET_THROUGH / np.abs(response / self.gain)) ** 8)
+            # below a fifth of its gain the inverse of a filter shows noise; steep, so that the band of motion is exact
+            taper = 1.0 / (1.0 + (0.2 / np.abs(response / self.gain)) ** 8)
         before = np.fft.irfft(np.fft.rfft(both) * taper / response, both.size)
         return np.asarray(before[: values.size])
 

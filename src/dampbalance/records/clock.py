@@ -33,17 +33,11 @@ _MOST, _WIDEST = (
 )  # part of the intervals that are usual, where they are no wider, in steps
 _LONG = 10  # steps, from which on the clock may have jumped instead
 _APART = 3  # rows at an end that a pause of this kind parts from the others
-_RUNS = 20  # in one file; times that go back more often are in no order
-_AGAIN = 0.1  # part of a run, to the first of which times go back where another one begins
 _LARGEST = 20  # samples for each row: a longer gap parts two records
-_LINE_TOLERANCE = 1.5  # resolutions; rounding, and what the line is off by itself
 _MAX_RATE_ERROR = 1e-2  # a hundred times a common one; c has the same
 _AROUND = 8  # samples on either side of a place, which a polynomial describes
 _PLACES = 100  # where signals are compared with their times
 _CLEAR = 5.0  # log-likelihood ratio of a decision
-_EXACT = 1e-20  # sum of squares relative to that of the signal: less is rounding
-_TICKS = 0.9  # part of the steps of an encoder that are one tick
-_SPLINE = 5.0 / 384.0  # of the error of a cubic spline
 _SHOWN = 3  # places that a message lists
 
 
@@ -170,7 +164,8 @@ def _tick(signal: Array) -> float:
     steps = np.abs(np.diff(signal))
     tick = float(np.median(steps)) if steps.size and not np.isnan(steps).any() else 0.0
     alike = np.abs(steps - tick) < 0.01 * tick
-    return tick if steps.min(initial=tick) > 0.0 and alike.mean() > _TICKS else 0.0
+    # of the steps of an encoder 90 % are one tick or more
+    return tick if steps.min(initial=tick) > 0.0 and alike.mean() > 0.9 else 0.0
 
 
 def _copies(t: Array, signals: Sequence[Array]) -> Mask:
@@ -216,10 +211,12 @@ def _require_increase(
     back, pauses = np.flatnonzero(steps < 0.0), np.flatnonzero(steps > _LONG * abs(step))
     if not back.size:
         return
-    runs = back[t[back + 1] < t[0] + _AGAIN * (t[back] - t[0])]
+    # another run begins where times go back to the first tenth of this one
+    runs = back[t[back + 1] < t[0] + 0.1 * (t[back] - t[0])]
     fault = f"{name} goes back {_steps(t, back, rows, place)}"
     fault += f" and pauses {_steps(t, pauses, rows, place)}" if pauses.size else ""
-    if back.size > _RUNS or not runs.size:
+    # a file holds 20 runs at most: times that go back more often are in no order
+    if back.size > 20 or not runs.size:
         raise RecordError(f"{fault}; use the part before or after it, or put its rows in order")
     first, last, again = (place(int(rows[i])) for i in (0, runs[0], runs[0] + 1))
     remedy = (
@@ -299,7 +296,8 @@ def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
     if values.size <= _AROUND or not np.abs(values).max() > 0.0:  # NaN is not
         return math.nan
     left = np.polyfit(number[own] - number[own].mean(), values, degree, full=True)[1].sum()
-    return _AROUND * math.log(left + _EXACT * np.abs(values).max() ** 2)
+    # sum of squares relative to that of the signal: less is rounding
+    return _AROUND * math.log(left + 1e-20 * np.abs(values).max() ** 2)
 
 
 def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
@@ -332,7 +330,8 @@ def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]
     q = 10.0 ** round(math.log10(longer[0] - steps[0])) if longer.size else 0.0
     bound = 1.5 * q / (step * every.size)
     multiples = np.abs((steps - steps[0]) / q - np.rint((steps - steps[0]) / q)).max() if q else 1.0
-    if multiples > 0.01 or np.ptp(t - step * i) > _LINE_TOLERANCE * q or bound > _MAX_RATE_ERROR:
+    # 1.5 resolutions: rounding, and the error of the line
+    if multiples > 0.01 or np.ptp(t - step * i) > 1.5 * q or bound > _MAX_RATE_ERROR:
         return None
     of = {"where": name, "resolution": q, "step": step, "rate": 1.0 / step, "bound": bound}
     line = np.asarray(middle + step * (every - number.mean()))
@@ -379,7 +378,8 @@ def _interpolation_error(clock: Clock, signal: Array) -> float:
     lengths, of = np.unique(np.ceil(20.0 * h) / 20.0, return_inverse=True)
     parts = np.bincount(of, steps) / steps.sum()
     errors = sum(
-        p * np.minimum(1.0, _SPLINE * (omega * h) ** 4) ** 2
+        # error of a cubic spline
+        p * np.minimum(1.0, (5.0 / 384.0) * (omega * h) ** 4) ** 2
         for p, h in zip(parts, lengths, strict=True)
     )
     return math.sqrt(float(power @ errors) / float(power.sum()))

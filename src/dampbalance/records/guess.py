@@ -63,8 +63,6 @@ from .untimed import OF_LOOP, of_speeds
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _OF_SENSOR = ("a", "gf")  # before the axes of an accelerometer: ax, gFx
-_ROUNDING = 1e-3  # relative, of the absolute value of three axes
-_TRIED = 20  # columns that are read one by one where some column holds a text
 ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
 RIGHT_ANGLE = 1.6  # rad: what goes farther may be in degrees as well
 _STEPS, _LONGEST = (5e-6, 0.2), 3600.0  # s, of times without a unit; their span
@@ -81,7 +79,6 @@ RESPONSE = (
     "mapping for each level, or give the records in time"
 )
 _ONE = 0.1  # relative: a derivative, by its units
-_GRAVITY = 9.80665  # m/s²
 _GOES_ROUND = "they go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
 
@@ -139,7 +136,8 @@ class Guesses:
                 return self.file.columns(everything)
             except RecordError:
                 held = dict.fromkeys(everything, np.empty(0))
-            for i in everything[:_TRIED]:  # a text in some column
+            # a text in some column: 20 are read one by one
+            for i in everything[:20]:
                 try:
                     held |= self.file.columns([i])
                 except RecordError:
@@ -251,7 +249,11 @@ class Guesses:
             for i, raw in enumerate(self.channels):
                 of = self.values[i] if raw.unit == unit and i not in own else np.empty(0)
                 near = of.size == total.size and np.allclose(
-                    of, total, rtol=_ROUNDING, equal_nan=True
+                    # relative, of the absolute value of three axes
+                    of,
+                    total,
+                    rtol=1e-3,
+                    equal_nan=True,
                 )
                 if near or (of.size and self._words(i) & {*_OF_AXES.split()}):
                     found[i] = Guess("", "the absolute value of several axes")
@@ -518,7 +520,8 @@ class Guesses:
             own = [j for j in self.axes if self.channels[j].unit is None] if i in self.axes else [i]
             means = [float(np.nanmean(self.values[j])) for j in own]
             gravity = math.hypot(*means[:3])
-            unit = _near(_GRAVITY / gravity, "acceleration") if gravity else ""
+            # of gravity in m/s²
+            unit = _near(9.80665 / gravity, "acceleration") if gravity else ""
             if unit and (i in self.axes or unit != "g"):  # a sensor's offset may be about 1
                 said = Finding("unit by gravity", name | {"unit": unit, "size": gravity})
                 return replace(guess, unit=unit, said=said)

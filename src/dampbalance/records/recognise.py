@@ -32,10 +32,8 @@ from .table import Table
 from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
 from .untimed import is_loop, of_speeds
 
-_BITS = (8, 16, 24, 32, 64)  # integers that converters and files have
 # part of their range: no oscillation passes through so much of it from one sample to the next
 _WRAPPED = 0.9
-_MOST_MISSING = 0.03  # of the rows of a channel or its times: more are no oversight
 
 
 @dataclass(frozen=True, slots=True)
@@ -273,7 +271,8 @@ def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, 
     with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
         signal = values * factor
     beyond, missing = np.abs(signal) > bound, np.isnan(values)
-    bad = np.flatnonzero(beyond | missing if missing.mean() > _MOST_MISSING else beyond)
+    # 0.03 of the rows of a channel or its times: more are no oversight
+    bad = np.flatnonzero(beyond | missing if missing.mean() > 0.03 else beyond)
     if not bad.size:
         return signal
     i, remedy = int(bad[0]), "cut the record before it"
@@ -295,7 +294,8 @@ def _require_no_overflow(file: Table, pick: Pick, values: Array, present: Intege
     values = values[present]
     jumps = np.abs(np.diff(values))
     i = int(np.argmax(jumps))
-    bits = next((bits for bits in _BITS if np.ptp(values) < 2.0**bits), 0)
+    # integers that converters and files have
+    bits = next((bits for bits in (8, 16, 24, 32, 64) if np.ptp(values) < 2.0**bits), 0)
     if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
         return
     raise RecordError(

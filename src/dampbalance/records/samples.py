@@ -9,16 +9,8 @@ import numpy as np
 
 from ..arrays import Array
 
-_FEWEST = 4  # samples of which it shows that they rise in equal steps
-_ROUNDED = 0.6  # steps; times with too few digits are off by less
 _ENOUGH = 64  # samples that show whether they are noise, and whether a motion dies out
-_LAGS = 8  # over which noise must be uncorrelated
-_NOT_WHITE = 4.0  # standard errors of a correlation
-_LINE = 7.0  # a line of the periodogram of white noise exceeds ln n + 7 in one of a thousand
-_AT_REST = 0.05  # of its peak: a blow leaves a channel this near to rest for 95 % of the time
-_ONE_WAY = 0.3  # of its peak, that a blow goes the other way at the most
 _PARTS = 4  # of a record, each with most of a cycle at least
-_FALLS = 0.95  # of the range in a part, left in the next of a decay
 _DIED = 0.35  # of the largest range in a part, left in the last
 _BAND = 0.02  # of the strongest line: weaker ones show noise
 _ALIKE = 0.95  # correlation of two columns that are one motion
@@ -45,12 +37,14 @@ def aside(values: Array) -> str:
 
 def equal_step(values: Array) -> float | None:
     """Return the step of values that rise in equal steps, as times and counters do; None for others."""
-    if values.size < _FEWEST:
+    # fewer samples do not show whether they rise in equal steps
+    if values.size < 4:
         return None
     line = np.linspace(values[0], values[-1], values.size)
     step = float(line[1] - line[0])
     rises = step > 0.0 and np.diff(values).min() >= 0.0
-    return step if rises and np.abs(values - line).max() < _ROUNDED * step else None
+    # 0.6 steps; times with too few digits are off by less
+    return step if rises and np.abs(values - line).max() < 0.6 * step else None
 
 
 def counts(values: Array) -> bool:
@@ -66,8 +60,10 @@ def strikes(values: Array) -> bool:
     middle = np.maximum(low, np.minimum(high, values[2:]))
     off = middle - np.median(middle)
     peak, other = sorted([off.max(), -off.min()], reverse=True)
-    rests = np.quantile(np.abs(off), 0.95) <= _AT_REST * peak
-    return bool(rests and other <= _ONE_WAY * peak)
+    # 0.05 of its peak: a blow leaves a channel this near to rest for 95 % of the time
+    rests = np.quantile(np.abs(off), 0.95) <= 0.05 * peak
+    # 0.3 of its peak, that a blow goes the other way at the most
+    return bool(rests and other <= 0.3 * peak)
 
 
 def _is_noise(values: Array) -> bool:
@@ -78,10 +74,13 @@ def _is_noise(values: Array) -> bool:
     at = np.arange(n)
     off = values - np.polyval(np.polyfit(at, values, 1), at)
     total = float(off @ off) or 1.0
-    lags = [float(off[lag:] @ off[:-lag]) / total for lag in range(1, _LAGS + 1)]
+    # noise is uncorrelated over eight lags
+    lags = [float(off[lag:] @ off[:-lag]) / total for lag in range(1, 9)]
     power = np.abs(np.fft.rfft(off)[1:]) ** 2
-    quiet = power.max() < (math.log(power.size) + _LINE) * power.mean()
-    return bool(quiet and max(map(abs, lags)) < _NOT_WHITE / math.sqrt(n))
+    # a line of the periodogram of white noise exceeds ln n + 7 in one of a thousand
+    quiet = power.max() < (math.log(power.size) + 7.0) * power.mean()
+    # 4.0 standard errors of a correlation
+    return bool(quiet and max(map(abs, lags)) < 4.0 / math.sqrt(n))
 
 
 def dies_out(values: Array) -> bool:
@@ -92,7 +91,8 @@ def dies_out(values: Array) -> bool:
         return False
     ranges = np.array([np.ptp(part) for part in np.array_split(finite, _PARTS)]) / np.ptp(finite)
     after = ranges[int(np.argmax(ranges)) :]
-    falls = (after[1:] < _FALLS * after[:-1]) | (after[:-1] < _DIED)
+    # 0.95 of the range in a part, left in the next of a decay
+    falls = (after[1:] < 0.95 * after[:-1]) | (after[:-1] < _DIED)
     return bool(after[-1] < _DIED and falls.all())
 
 

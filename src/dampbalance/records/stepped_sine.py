@@ -43,10 +43,7 @@ if TYPE_CHECKING:
 
 _ORDERS = {"force": 0, "length": 0, "velocity": 1, "acceleration": 2}
 _FEWEST = 3  # lines of a level
-_LARGEST = 1.0  # m, of a displacement
 _TURNS = 4.0 * math.pi  # rad: no phase that is counted on over several turns goes beyond it
-_SLIGHT = 0.1  # rad: phases that differ by less pass through no resonance
-_CLEAR = 1.5  # times as far from an oscillator as another convention
 
 _EMPTY = "is empty or not a number; repair it, or delete the line"
 _POSITIVE = "is not positive, which all but phases must be; check the column, or delete the line"
@@ -61,8 +58,6 @@ _MIXED = (
 
 _COHERENT = "is no coherence, which is above 0 and up to 1; check the column, or delete the line"
 _PER_DECIBEL = math.log(10.0) / 20.0
-_COHERENCE = 1e-6  # below 1: what averages show
-_MANY = 1e12  # averages, where they are not known: a coherence then gives weights, and the scatter their size
 
 Place = tuple[str, int]  # of a level in a file: group and number
 
@@ -227,7 +222,8 @@ class _Table:
         levels = [*self._levels(label)]
         phases = np.concatenate([level.phi for level in levels])
         low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
-        many, few = max(-low, high) > _TURNS, math.radians(1.0) < high - low < _SLIGHT
+        # 0.1 rad: phases that differ by less pass through no resonance
+        many, few = max(-low, high) > _TURNS, math.radians(1.0) < high - low < 0.1
         if many if radians else few:
             unit = "rad" if few else "deg"
             raise self._error(
@@ -306,7 +302,8 @@ class _Table:
                 raise self._error(f"{name}: its {words} the same in all lines; check the column")
         orders = [_ORDERS[TABLE_DIMENSIONS[q or "force"]] for q in (self.drive, self.answer)]
         Y, X = drive / omega ** orders[0], answer / omega ** orders[1]
-        if X.max() > _LARGEST:
+        # m, of a displacement
+        if X.max() > 1.0:
             at = int(rows[np.argmax(X)])
             raise self._error(
                 f"a displacement of {X.max():.3g} m is too large: is the unit of {self.answer} wrong?",
@@ -320,8 +317,10 @@ class _Table:
         both = [np.sum(squares, axis=0)] if squares else []
         both += [si[q] ** 2 for q in si if q == "phase" + STANDARD_ERROR]
         if "coherence" in columns:
-            averages = columns["averages"][rows] if "averages" in columns else _MANY
-            noise = np.maximum(1.0 - coherence, _COHERENCE) / (2.0 * coherence * averages)
+            # 1e12 averages, where they are not known: a coherence then gives weights, and the scatter their size
+            averages = columns["averages"][rows] if "averages" in columns else 1e12
+            # averages show a coherence to 1e-6 of 1
+            noise = np.maximum(1.0 - coherence, 1e-6) / (2.0 * coherence * averages)
             both.append(noise)
         error = np.sqrt(np.mean(both, axis=0)) if both else None
         return SteppedLevel(name, omega, Y, X, si["phase"], error, rows)
@@ -348,7 +347,8 @@ class _Table:
             if phi.min() <= 0.0:
                 at = int(np.argmax(phi <= 0.0))
                 raise self._error(f"the phase {of.phi[at]:.4g} rad {_MIXED}", int(of.rows[at]))
-        if others and misfits[others[0]] < _CLEAR * misfits[n, s]:
+        # 1.5 times as far from an oscillator as another convention
+        if others and misfits[others[0]] < 1.5 * misfits[n, s]:
             raise self._error(
                 "its phases may be leads or lags; give lines on both sides of a resonance"
             )

@@ -24,7 +24,6 @@ from .channel import ABSOLUTE, QUANTITIES, ROTATING
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 
 VOLTAGE = "a voltage"  # any transducer may give one: the `scale` of a mapping makes a motion of it
-_LONGEST = 1000  # characters of a heading: the search for its unit takes their square
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +97,8 @@ def split_label(label: str) -> tuple[str, str | None]:
     The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
     """
     label = label.strip()
-    if len(label) > _LONGEST:
+    # characters of a heading: the search for its unit takes their square
+    if len(label) > 1000:
         return label, None
     if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
         return match[1].rstrip(" /,;:"), match[2] or None

@@ -19,8 +19,6 @@ from .errors import RecordError
 from .readers.formats import FORMATS
 from .record import Record
 
-_MATLAB_TEXT = 116  # bytes of description at the start of a MATLAB file
-
 
 def write(path: str | Path, record: Record) -> Path:
     """Write a record as text (.csv, with commas; .tsv, .txt, .dat, .asc, with tabs) or for MATLAB 5 (.mat), as the
@@ -59,4 +57,5 @@ def _write_matlab(path: Path, columns: dict[str, Array]) -> None:
 
     savemat(path, columns, appendmat=False, oned_as="column")
     with open(path, "r+b") as stream:  # the library puts the time of day here
-        stream.write(b"MATLAB 5.0 MAT-file, written by dampbalance".ljust(_MATLAB_TEXT))
+        # 116 bytes of description at the start of a MATLAB file
+        stream.write(b"MATLAB 5.0 MAT-file, written by dampbalance".ljust(116))

@@ -25,7 +25,6 @@ within it, which in turn exceeds the median.
 """
 
 _SIDE = 4  # samples of one phase through which its acceleration is continued
-_FEWEST = 3  # stick samples below which there is no line to meet the corner
 
 NO_CYCLE, REVERSALS, NO_CORNER, SHORT_STICK, LATE = range(1, 6)
 """Reasons why a cycle or its slip onsets could not be read."""
@@ -178,7 +177,8 @@ def _onset(
             small += 1
     if 2 * small <= bend.size:  # the median is too large
         return NO_CORNER, 0, nowhere
-    if corner - first < _FEWEST or n_next - corner < _SIDE:
+    # fewer than three stick samples give no line to meet the corner
+    if corner - first < 3 or n_next - corner < _SIDE:
         return SHORT_STICK, corner - first, nowhere
     if not between:
         return 0, 0, _Instant(float(corner), x[corner], v[corner])

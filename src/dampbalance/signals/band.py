@@ -25,11 +25,6 @@ from ..arrays import Array
 # the third harmonic, most second modes and the mains of slow rigs.
 _LOW, _HIGH = 0.35, 2.6
 
-# Largest corner relative to the sampling rate: anti-alias filters begin here, and half the rate is the end.
-_BELOW_NYQUIST = 0.4
-
-# order of the Butterworth filter: 4 % of a second mode at four times the frequency passes
-_ORDER = 3
 
 NOISE_PASSED = 5.0 * np.pi / 18.0
 """Mean square of white noise after the filter, relative to that of the noise within its corners: ∫du / (1 + u⁶)² over
@@ -60,7 +55,8 @@ class Band:
 
         f_n : Hz.   dt : sampling interval, s. Raises ValueError where the mode lies above that.
         """
-        high = min(_HIGH * f_n, _BELOW_NYQUIST / dt)
+        # largest corner relative to the sampling rate: anti-alias filters begin here, and half the rate is the end
+        high = min(_HIGH * f_n, 0.4 / dt)
         if not high > f_n:
             raise ValueError(
                 f"{1.0 / dt:.6g} samples a second are too few for a mode at {f_n:.6g} Hz: sample faster"
@@ -71,7 +67,8 @@ class Band:
         """Return |H(f)|², by which the filter multiplies each frequency; 0 at f = 0.   f : Hz, of any shape."""
         safe = np.where(f == 0.0, 1.0, f)
         u = (safe**2 - self.low * self.high) / (safe * (self.high - self.low))
-        return np.where(f == 0.0, 0.0, 1.0 / (1.0 + u ** (2 * _ORDER)))
+        # a Butterworth filter of third order: 4 % of a second mode at four times the frequency passes
+        return np.where(f == 0.0, 0.0, 1.0 / (1.0 + u ** (6)))
 
 
 def filtered(values: Array, dt: float, band: Band) -> Array:

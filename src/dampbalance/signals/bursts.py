@@ -18,20 +18,12 @@ from ..arrays import Array, Mask
 from .thresholds import RARE_LINE, SIGNIFICANT
 
 _BAND = 1.25  # ratio of its upper end to its centre: a decay is no sharp line
-_WINDOW = 0.6  # cycles, in which a decay passes two turns
 # Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing, and over half a
 # cycle to a tenth, which also takes off a mode of three times the frequency, whose beats look like bursts.
 _SMOOTH, _SMOOTHER = 1.0 / 8.0, 1.0 / 2.0
-_CLEAR_DEVIATIONS = 8.0  # standard deviations of the smoothed signal
-_SMALLEST_BURST = 0.03  # relative to the largest burst: smaller ones determine F_k poorly
 # relative to its first swing: a decay falls below it, a steady motion with noise does not
 _DECAYED = 0.85
 _LEAST_FALL, _FEWEST_FALLING = 0.04, 4  # of ln of the swings of another decay; half cycles of it
-_RISE = 0.6  # relative to a burst's swing: the motion before is smaller, or it is a beat
-_ALIKE = 0.9  # of two swings of one decay, of which the samples, seven a cycle, may miss a tenth
-_QUIET_SAMPLES = 200  # least number in a part, whose median is then known to 11 %
-_FEW_SAMPLES = 14  # a cycle: of more, third differences show the noise
-_FEWEST_CYCLES = 1.5  # in a record, of a motion that slips in two half cycles
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,11 +113,13 @@ def noise_of(values: Array) -> float:
     steps = np.diff(np.unique(values))
     digits = float(steps.min()) / math.sqrt(12.0) if steps.size else 0.0
     third = np.abs(np.diff(values, 3))
-    parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // _QUIET_SAMPLES)))
+    # least number in a part, whose median is then known to 11 %
+    parts = np.array_split(third, max(1, min(QUIET_PARTS, third.size // 200)))
     # third differences of white noise have 1 + 9 + 9 + 1 times its variance; 1.4826 medians are a standard deviation
     quiet = 1.4826 * min(float(np.median(part)) for part in parts) / math.sqrt(20.0)
     power = np.abs(np.fft.rfft(values - values.mean())) ** 2
-    if _FEW_SAMPLES * int(np.argmax(power)) > values.size:  # their third differences are motion
+    # of more than 14 samples a cycle, third differences show the noise
+    if 14 * int(np.argmax(power)) > values.size:  # their third differences are motion
         quiet = min(quiet, math.sqrt(float(np.median(power)) / values.size / math.log(2.0)))
     return max(quiet, digits, least_noise(values))
 
@@ -159,7 +153,8 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
 
     period = 1.0 / _frequency(signal)
     width = max(5, 2 * round(0.5 * smooth_over * period / signal.dt) + 1)
-    length = max(4, round(_WINDOW * period / signal.dt))
+    # 0.6 cycles, in which a decay passes two turns
+    length = max(4, round(0.6 * period / signal.dt))
     if signal.values.size < 2 * max(width, length):
         raise NoDecay("it is shorter than a cycle of its motion")
     # a polynomial through the first samples swings wider than they do where a blow falls among them
@@ -168,8 +163,10 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     ahead = -(length // 2)
     swing = maximum_filter1d(smooth, length, origin=ahead, mode="nearest")
     swing -= minimum_filter1d(smooth, length, origin=ahead, mode="nearest")
-    clear = _CLEAR_DEVIATIONS * 1.5 * signal.noise / math.sqrt(width)
-    least = max(_SMALLEST_BURST * float(swing.max()), clear)
+    # eight standard deviations of the smoothed signal, 1.5 σ/√width
+    clear = 12.0 * signal.noise / math.sqrt(width)
+    # 0.03 relative to the largest burst: smaller ones determine F_k poorly
+    least = max(0.03 * float(swing.max()), clear)
     peaks = _peaks(swing, length, least, clear)
     if not peaks:
         raise NoDecay("no decaying motion in it exceeds the noise")
@@ -226,8 +223,10 @@ def _peaks(swing: Array, length: int, least: float, clear: float) -> list[int]:
     for i in np.flatnonzero((swing >= around) & (swing >= least)):
         before = calm[max(0, i - 5 * length) : i + 1]
         # the largest swing of a record begins a decay, whatever came before: a second blow into the first decay
-        largest = swing[i] >= swing.max() and not (peaks and swing[peaks[-1]] > _ALIKE * swing[i])
-        rises = i < length or before.min() < _RISE * (swing[i] - 0.5 * clear) or largest
+        # of a swing the samples, seven a cycle, may miss a tenth
+        largest = swing[i] >= swing.max() and not (peaks and swing[peaks[-1]] > 0.9 * swing[i])
+        # 0.6 relative to a burst's swing: the motion before is smaller, or it is a beat
+        rises = i < length or before.min() < 0.6 * (swing[i] - 0.5 * clear) or largest
         if rises and (not peaks or i - peaks[-1] > 2 * length):
             peaks.append(int(i))
     return peaks
@@ -241,7 +240,8 @@ def _frequency(signal: Signal) -> float:
     f = np.arange(power.size) / (2.0 * (power.size - 1) * signal.dt)
     clear = power > RARE_LINE * size * signal.noise**2
     # the step of a release lies below; the shortest decay, two half cycles, has as many cycles
-    clear[f < _FEWEST_CYCLES / (size * signal.dt)] = False
+    # a motion that slips in two half cycles has 1.5 cycles in a record
+    clear[f < 1.5 / (size * signal.dt)] = False
     energy = np.where(clear, power, 0.0)
     energy[1:] *= f[1:] ** (1.0 - signal.order)
     total = np.concatenate([[0.0], np.cumsum(energy)])

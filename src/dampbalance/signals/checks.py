@@ -28,23 +28,15 @@ FEW_CYCLES = 10
 # Change of a frequency, an amplitude (both relative) or a phase in rad that alters the loss by a per mille at a loss
 # factor of 2 %. From it on a change is reported and widens intervals.
 _SMALLEST_CHANGE = 2e-5
-_SMALLEST_GAIN_ERROR = 1e-4  # relative error of F_k and c, which are as wrong as the gain
-_FREQUENCY_WRONG = 0.05  # no clock is off by so much, and a wrong column or rate is by more
 _AMPLITUDE_WRONG = 0.1  # relative: channels contradict each other, or a record has no steady motion
-_PHASE_WRONG = 0.5  # rad: no delay of a channel, but a sign or another quantity
 # ratio of the changes of phase and amplitude beyond which two clocks, or a growing friction force, are the likely cause
 _PHASE_OVER_AMPLITUDE = 5.0
-_SMALLEST_HARMONIC = 1e-3  # relative to the fundamental
 # relative to the fundamental; the rounding of a file or a time may leave less
 _SMALLEST_BASE_HARMONIC = 1e-6
-_CLIPPED_CYCLES = 0.5  # part of all cycles: if most are clipped, the range is too small
-_LARGEST_AMPLITUDE = 0.5  # m, some ten times what shakers of long stroke do
 _LARGE_RATIO, _LARGEST_RATIO = 100.0, 300.0  # of the amplitudes of mass and base, or its inverse
 _UNITS = {1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for inches"}
-_LARGEST_SPEED = 10.0  # m/s, some three times what the fastest shakers do
 
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
-_LATTICE = 0.01  # steps by which a value may be off a whole number of them
 ROUNDING = 1e-9  # relative to a signal: rounding differs by less between two copies of it
 
 _UNCONNECTED = "the transducer was not connected, or the wrong column was read"
@@ -89,7 +81,8 @@ def frequency(
     hertz, spread = omega / (2.0 * math.pi), error / (2.0 * math.pi)
     off = hertz / frequency_hz - 1.0
     numbers = {"measured": hertz, "error": spread, "given": frequency_hz, "off": off}
-    if abs(off) > _FREQUENCY_WRONG:
+    # no clock is off by 5 %, and a wrong column or rate is by more
+    if abs(off) > 0.05:
         raise ValueError(sentence(Finding("other frequency", numbers), TRANSLATION))
     if abs(off) > max(_SMALLEST_CHANGE, _significant_for(max(1, cycles - 2)) * spread / hertz):
         yield Finding("frequency", numbers, {"": abs(off)})
@@ -144,7 +137,8 @@ def checked_cycles(
 
 def is_clipped(harmonics: CycleHarmonics) -> bool:
     """Return whether the signal is cut off at a level in most cycles."""
-    return harmonics.clipped >= _CLIPPED_CYCLES
+    # part of all cycles: if most are clipped, the range is too small
+    return harmonics.clipped >= 0.5
 
 
 def consistency(
@@ -165,7 +159,8 @@ def consistency(
         error /= abs(mean)
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
         names = {"quantity": coordinate.noun(name), "other": coordinate.noun(first)}
-        if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > _PHASE_WRONG:
+        # 0.5 rad: no delay of a channel, but a sign or another quantity
+        if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > 0.5:
             raise ValueError(
                 f"{names['quantity']} contradicts {names['other']}: at the drive frequency it shows {gain:.4g} times "
                 "the motion, "
@@ -173,7 +168,8 @@ def consistency(
                 "out"
             )
         late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)
-        scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, _SMALLEST_GAIN_ERROR)
+        # F_k and c are as wrong as the gain
+        scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, 1e-4)
         if late:
             by = {"lags": phase < 0.0, "by": abs(phase) / omega, "error": error / omega}
             yield Finding("late", {**names, **by}, {"": abs(phase)})
@@ -181,9 +177,6 @@ def consistency(
             yield Finding("scaled", {**names, "gain": gain}, {"": abs(gain - 1.0)})
         n = np.arange(moved[name].shape[1])
         moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
-
-
-_BENDS = 0.01  # chance of a bend in noise, below which a change that shows is more than a line
 
 
 class _Change(NamedTuple):
@@ -228,7 +221,8 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     grown, turned = float(np.ptp(np.abs(change + mean))), float(np.abs(change).max())
     matters = max(grown, turned) >= _SMALLEST_CHANGE * abs(mean)
     shows = matters and chance <= P_DRIFT
-    bends = chance_of(squares[1:]) < _BENDS
+    # chance of a bend in noise, below which a change that shows is more than a line
+    bends = chance_of(squares[1:]) < 0.01
     return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows, bends)
 
 
@@ -249,7 +243,8 @@ def few_bits(quantity: str, values: Array, noise: float) -> Iterator[Finding]:
     if not steps.size or not (step := float(steps.min())) * _FINE > span or noise > 0.5 * step:
         return
     whole = np.round(steps / step)
-    if (np.abs(steps / step - whole) <= _LATTICE * whole).all():
+    # steps; rounding leaves a value this near to a whole number of them
+    if (np.abs(steps / step - whole) <= 0.01 * whole).all():
         of = {"quantity": quantity, "bits": math.log2(span / step)}
         yield Finding("bits", of, {"": step / span})
 
@@ -317,7 +312,9 @@ def plausible(Y: float, X: float, omega: float, driven_by: str) -> Iterator[Find
     is a thousandth. A force over the stiffness is no motion.
     """
     for base, amplitude in ((True, Y),) * (driven_by != "force") + ((False, X),):
-        if amplitude > _LARGEST_AMPLITUDE or omega * amplitude > _LARGEST_SPEED:
+        # m, some ten times what shakers of long stroke do
+        # m/s, some three times what the fastest shakers do
+        if amplitude > 0.5 or omega * amplitude > 10.0:
             numbers = {"base": base, "amplitude": amplitude, "speed": omega * amplitude}
             yield Finding("implausible", numbers, UNBOUNDED)
 
@@ -374,7 +371,8 @@ def _significant(mean: Complexes, error: Array) -> Array:
     """Return the size of each harmonic over the fundamental; 0 where it does not matter or does not stand out of its
     error."""
     relative = np.abs(mean) / abs(mean[1])
-    real = (relative > _SMALLEST_HARMONIC) & (np.abs(mean) > SIGNIFICANT * error)
+    # 1e-3 relative to the fundamental
+    real = (relative > 1e-3) & (np.abs(mean) > SIGNIFICANT * error)
     return np.where(real, relative, 0.0)
 
 

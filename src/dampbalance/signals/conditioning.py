@@ -54,11 +54,7 @@ cycle limits it too."""
 CLEAR_HARMONIC = 4.0
 """Standard deviations by which a harmonic stands out of the noise: by chance one in 16,000 does."""
 
-_HARMONICS_OF_BASE = 9  # amplifiers and shakers distort the lowest ones
 _FILTERED_OUT = 1e-3  # least gain of a filter: a harmonic that passes with less is noise
-_EXACT = 1e-6  # steps: times that are off by less are taken as equal steps
-# relative to the noise of the fundamental: less would widen intervals by 5 %
-_SMALLEST_FREQUENCY_PART = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +159,8 @@ def in_equal_steps(channel: Channel, warnings: list[Finding]) -> Channel:
     than the rounding of times to few digits."""
     t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
     off = float(np.abs(channel.t - t).max()) / (t[1] - t[0])
-    if off <= _EXACT:
+    # 1e-6 steps: times that are off by less are taken as equal steps
+    if off <= 1e-6:
         return channel
     if off > GRID_TOLERANCE:
         of = {"channel": visible(channel.name), "off": off}
@@ -254,7 +251,8 @@ def _steady(
     # the frequency has an error, too: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, large where the damping is light
     gain = mean_X[1] / mean_Y[1]
     by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
-    if by_frequency > _SMALLEST_FREQUENCY_PART * X_error[1]:
+    # 0.3 relative to the noise of the fundamental: less would widen intervals by 5 %
+    if by_frequency > 0.3 * X_error[1]:
         X_hidden[1] = math.hypot(X_hidden[1], by_frequency)
     X_error = np.hypot(X_error, X_hidden)
     warnings += checks.harmonic_drive(mean_Y, Y_error, driving)
@@ -321,7 +319,8 @@ def _harmonics_of(
             raise ValueError(
                 f"{noun(q)}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
             )
-        most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else _HARMONICS_OF_BASE
+        # amplifiers and shakers distort the lowest harmonics
+        most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else 9
         highest = min(most, math.floor(per_cycle / 4.0))
         of_cycles = cycle_harmonics(
             *(channel.t, channel.values, omega),

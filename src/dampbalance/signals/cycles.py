@@ -29,19 +29,14 @@ from ..records.channel import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
-_MOST_ROWS = 2048  # more rows do not improve the scatter, and cost time in each bootstrap
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to the others, where a spike is looked for
-# Equal samples in a row that may be a drop-out: fewer are noise in the steps of a converter.
-_HELD = 5
 # Ratio of a jump to the steps nearby: a signal that was held goes on with a jump of five of them or more.
 _JUMPS = 2.0
 _AROUND = 8  # cycles that a cycle is compared with: enough for a median, and near enough for a slow change
 # Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
 _HARMLESS = 1e-3
 FEWEST_CYCLES = 3  # their scatter has two degrees of freedom
-# corrections of the frequency, each thousands of times smaller than the last: two suffice, save for few cycles
-_REFINEMENTS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +108,8 @@ def cycle_harmonics(
         clipped += flat
         bad += [(first + j, start + (first + j) * work.period, why) for j, why in faults.items()]
     per_row = 1
-    while len(rows) // per_row > _MOST_ROWS:
+    # more rows do not improve the scatter, and cost time in each bootstrap
+    while len(rows) // per_row > 2048:
         per_row *= 2
     rows = rows[: len(rows) // per_row * per_row].reshape(-1, per_row, harmonics + 2).sum(axis=1)
     weights = rows[:, -1].real
@@ -146,7 +142,8 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
     """
     omega = _strongest_line(values, dt)
     error = math.nan
-    for _ in range(_REFINEMENTS):
+    # 4 corrections of the frequency, each thousands of times smaller than the last: two suffice, save for few cycles
+    for _ in range(4):
         hertz, per_cycle = omega / (2.0 * math.pi), 2.0 * math.pi / omega / dt
         cycles = math.floor((t[-1] - t[0] + dt * (1.0 + 1e-6)) * hertz)
         if cycles < FEWEST_CYCLES:
@@ -375,7 +372,8 @@ def _held(s: Array, others: Array, rms: float) -> Finding | None:
     steps = np.abs(np.diff(s, prepend=np.nan, append=np.nan))
     edges = np.flatnonzero(steps)  # NaN counts
     starts, stops = edges[:-1], edges[1:]
-    long = (stops - starts >= _HELD) & (s[starts] < s.max()) & (s[starts] > s.min())
+    # five equal samples in a row may be a drop-out: fewer are noise in the steps of a converter
+    long = (stops - starts >= 5) & (s[starts] < s.max()) & (s[starts] > s.min())
     starts, stops = starts[long], stops[long]
     moved = np.abs(np.median(others[:, stops - 2] - others[:, starts + 1], axis=0))
     held = moved > np.fmin(steps[starts], steps[stops]) + 5.0 * rms

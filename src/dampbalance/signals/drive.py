@@ -13,15 +13,7 @@ from .cycles import drive_frequency
 from .thresholds import RARE_LINE
 
 LEADING = 1 << 18  # samples from which the drive frequency is first estimated
-_ENOUGH = 8  # cycles of these; from fewer the spectrum may take one number of cycles for another
-_COARSER = 4  # times: samples that are averaged where the cycles are too few
 _STRETCH = 1 << 16  # samples that show whether a drive moves
-_STRETCHES = 16  # stretches of a record that are examined
-# A part of the largest deviation: a drive that is this near to rest for 95 % of the time strikes; a steady one is for
-# 3 %.
-_AT_REST = 0.05
-# Amplitude before the onset over that after it; a line through one cycle of a sine leaves 39 % of it.
-_STILL = 0.25
 
 
 def stands_still(values: Array) -> bool:
@@ -36,10 +28,13 @@ def stands_still(values: Array) -> bool:
         low, high = np.minimum(values[:-1], values[1:]), np.maximum(values[:-1], values[1:])
         middle = np.maximum(low[:-1], np.minimum(high[:-1], values[2:]))
         off = np.abs(middle - np.median(middle))
-        if np.quantile(off, 0.95) <= _AT_REST * off.max():
+        # a drive that is within 5 % of its largest deviation from rest for 95 % of the time strikes; a steady one is
+        # for 3 %
+        if np.quantile(off, 0.95) <= 0.05 * off.max():
             return True
     last = max(0, values.size - _STRETCH)
-    for begin in dict.fromkeys(np.linspace(0, last, _STRETCHES).astype(int).tolist()):
+    # 16 stretches of a record that are examined
+    for begin in dict.fromkeys(np.linspace(0, last, 16).astype(int).tolist()):
         stretch = values[begin : begin + _STRETCH]
         power = np.abs(np.fft.rfft(stretch - np.mean(stretch))[1:]) ** 2
         if power.max() > (RARE_LINE + math.log(power.size)) * power.mean():
@@ -73,12 +68,14 @@ def frequency_of(t: Array, values: Array, quantity: str) -> tuple[float, float, 
         try:
             omega, error, late = _frequency_in(leading, s, step_of(leading, quantity))
             cycles = math.floor((leading[-1] - leading[late]) / (2.0 * math.pi / omega))
-            if cycles >= _ENOUGH or ended:
+            # from fewer than eight cycles the spectrum may take one number of cycles for another
+            if cycles >= 8 or ended:
                 return omega, error, cycles, float(leading[late]) if late else begin
         except ValueError as problem:
             if ended:
                 raise ValueError(f"{quantity}: {problem}") from problem
-        every *= _COARSER
+        # average more samples where the cycles are too few
+        every *= 4
 
 
 def averaged(values: Array, every: int) -> Array:
@@ -102,7 +99,8 @@ def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, i
         before = int(np.searchsorted(t, t[begins] - 2.0 * math.pi / omega))
         parts = slice(0, before), slice(begins, None)
         still, moving = (_amplitude(t[part], values[part], omega) for part in parts)
-        if still < _STILL * moving:
+        # amplitude before the onset over that after it; a line through one cycle of a sine leaves 39 % of it
+        if still < 0.25 * moving:
             return omega, error, begins
     if isinstance(whole, ValueError):
         raise whole

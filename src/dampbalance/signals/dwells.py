@@ -18,10 +18,8 @@ from ..arrays import Array
 _BAND, _WIDEST = 0.05, 0.4
 # Power of a line of the spectrum that is motion: over the median, which is noise, and over the largest one.
 _OF_NOISE, _OF_LARGEST = 20.0, 0.003
-_SMOOTHED = 0.1  # part of the shortest cycle: a moving average takes 2 % off a sine
 # step of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
 _STEP = math.log(1.15)
-_FLAT = 0.02  # standard deviation of ln amplitude or ln period within a dwell, beyond that of noise
 _FEWEST = 8  # cycles of a dwell, of which the motion needs some to settle
 _HELD = 0.6  # part of the cycles that lies in dwells, in a record that consists of them
 _SWEPT = math.log(1.2)  # change of the frequency from end to end, of a drive that sweeps
@@ -53,7 +51,8 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
     logs = np.log(np.stack([amplitude, period]))
     smooth = median_filter(logs, size=(1, 5), mode="nearest")
     noise = 1.5 * np.median(np.abs(logs - smooth), axis=1, keepdims=True)
-    limit = _FLAT + 2.0 * noise[:, 0]
+    # 0.02 standard deviation of ln amplitude or ln period within a dwell, beyond that of noise
+    limit = 0.02 + 2.0 * noise[:, 0]
     dwells: list[Dwell] = []
     held = first = 0
     for last in [*(_steps(smooth) + 1), amplitude.size]:
@@ -103,7 +102,8 @@ def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
     power = np.abs(np.fft.rfft(s)[1:]) ** 2
     clear = power > max(_OF_NOISE * float(np.median(power)), _OF_LARGEST * float(power.max()))
     fastest = 1 + int(np.flatnonzero(clear)[-1]) if clear.any() else power.size
-    width = int(_SMOOTHED * s.size / fastest)
+    # part of the shortest cycle: a moving average takes 2 % off a sine
+    width = int(0.1 * s.size / fastest)
     smooth = uniform_filter1d(s, width) if width > 1 else s
     noise = float(np.std(s - smooth)) / math.sqrt(max(1, width))
     largest = float(np.quantile(np.abs(smooth), 0.99))

@@ -24,20 +24,8 @@ from .band import NOISE_PASSED, Band, filtered
 from .bursts import Burst, Signal, slope_of
 from .simpson import integrals
 
-_RANGES = 4  # of amplitudes, but one, of all modes together
-_RATIO = 1.6  # of the amplitudes of one, at least, where there are several
 _FEWEST_HALVES = 4  # in a range
-_NOISE = 5.0  # times its standard deviation, to which the amplitude falls
-_UNEVEN = 0.4  # of a half cycle, by which its duration may be off
-_ENDS = 1  # half cycles at either end that the filter disturbs, at least: as long as a cycle of its bandwidth
-_MODES = 3  # at most
 _FEWEST_SAMPLES, _SHORTEST = 20, 3.0  # samples of a decay, and of its cycle
-_SMALL_MODE = 1e-2  # of the largest power in the spectrum: a tenth of the speed
-_VALLEY = 10.0  # of the power of a peak over that of the valley before a larger one
-_BEAT = 0.2  # of a beat, by which bursts may be off it
-_LINES = 4.0  # of the spectrum, by which modes differ at least
-_BAND = 1.25  # ratio, by which the frequency of a burst may be off
-_HARMONIC = 0.02  # relative distance from a multiple of another mode that is part of its motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +77,8 @@ def damping_of(signal: Signal, bursts: Sequence[Burst]) -> list[SwingDamping]:
     apart = np.diff([one.turn for one in bursts if one.turn >= burst.turn])
     if apart.size:
         beats = [abs(one - frequencies[0]) * float(np.median(apart)) for one in frequencies[1:]]
-        if not any(abs(beat - 1.0) < _BEAT for beat in beats):
+        # bursts are off a beat by less than a fifth of it
+        if not any(abs(beat - 1.0) < 0.2 for beat in beats):
             part = signal.between(burst.turn, burst.end)
             frequencies = _modes(part, 1.0 / burst.period)
     rows = []
@@ -97,7 +86,8 @@ def damping_of(signal: Signal, bursts: Sequence[Burst]) -> list[SwingDamping]:
         about = Band.about(f, part.dt)
         half = 0.5 * min((abs(f - one) for one in frequencies if one != f), default=math.inf)
         band = Band(max(about.low, f - half), min(about.high, f + half))
-        ranges = _ranges(part, band, f, mode, 1 + _RANGES // len(frequencies))
+        # ranges of amplitudes of all modes together: five
+        ranges = _ranges(part, band, f, mode, 1 + 4 // len(frequencies))
         rows += [one for one in ranges if one.ratio > 0.0]
     return rows
 
@@ -113,43 +103,53 @@ def _modes(part: Signal, first: float) -> list[float]:
     f = np.fft.rfftfreq(n, part.dt)
     power[1:] *= f[1:] ** (2.0 - 2.0 * part.order)
     power[f < 0.3 * first] = 0.0
-    least = _SMALL_MODE * power.max()
+    # 1e-2 of the largest power in the spectrum: a tenth of the speed
+    least = 1e-2 * power.max()
     logs = np.log(np.maximum(power, 1e-3 * least))
-    peaks = find_peaks(logs, height=math.log(least), prominence=math.log(_VALLEY))[0]
+    # a peak has ten times the power of the valley before a larger one
+    peaks = find_peaks(logs, height=math.log(least), prominence=math.log(10.0))[0]
     highest = f[peaks[np.argsort(-power[peaks])]]
-    near = np.append(highest[np.abs(np.log(highest / first)) < math.log(_BAND)], first)
+    # the frequency of a burst is off by less than a quarter
+    near = np.append(highest[np.abs(np.log(highest / first)) < math.log(1.25)], first)
     modes = [float(near[0])]
     for one in highest.tolist():
         ratios = [max(one / of, of / one) for of in modes]
-        apart = all(abs(ratio / max(round(ratio), 2) - 1.0) > _HARMONIC for ratio in ratios)
+        # 0.02 relative distance from a multiple of another mode that is part of its motion
+        apart = all(abs(ratio / max(round(ratio), 2) - 1.0) > 0.02 for ratio in ratios)
         if (
             apart
-            and min(abs(one - of) for of in modes) * n * part.dt > _LINES
+            # modes differ by four lines of the spectrum at least
+            and min(abs(one - of) for of in modes) * n * part.dt > 4.0
             and one < 0.4 / part.dt
         ):
             modes.append(one)
-    return modes[:_MODES]
+    # three at most
+    return modes[:3]
 
 
 def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[SwingDamping]:
     """Return the damping in some ranges of the amplitude, down to the noise.   most : number of them."""
     x = displacement_in(part, band)
     i = np.flatnonzero(x[:-1] * x[1:] < 0.0)
-    ends = max(_ENDS, math.ceil(2.0 * f / (band.high - band.low)))
+    # half cycles at either end that the filter disturbs: as long as a cycle of its bandwidth
+    ends = max(1, math.ceil(2.0 * f / (band.high - band.low)))
     if i.size < _FEWEST_HALVES + 2 * ends:
         return []
     zeros = i + x[i] / (x[i] - x[i + 1])
     X = 0.5 * math.pi * np.abs(integrals(x, 1.0, zeros)) / np.diff(zeros)
     noise = part.noise * math.sqrt(2.0 * NOISE_PASSED * (band.high - band.low) * part.dt)
     noise /= (2.0 * math.pi * f) ** part.order
-    regular = np.abs(2.0 * f * part.dt * np.diff(zeros) - 1.0) < _UNEVEN
-    goes_on = regular & (_NOISE * noise < X)
+    # 0.4 of a half cycle, by which its duration may be off
+    regular = np.abs(2.0 * f * part.dt * np.diff(zeros) - 1.0) < 0.4
+    # until the amplitude falls to five times the noise
+    goes_on = regular & (5.0 * noise < X)
     first = int(np.argmax(goes_on)) + ends
     count = int(np.argmin(np.append(goes_on[first:], False))) - ends
     if count < _FEWEST_HALVES:
         return []
     t, logs = part.dt * zeros[first : first + count + 1], np.log(X[first : first + count])
-    many = int((logs[0] - logs[-1]) / math.log(_RATIO))
+    # where there are several ranges, the amplitudes of one span a ratio of 1.6 at least
+    many = int((logs[0] - logs[-1]) / math.log(1.6))
     edges = np.linspace(logs[0], logs[-1], max(1, min(many, most)) + 1)[1:-1]
     cuts = [0]
     for edge in edges:

@@ -42,7 +42,6 @@ from .turning import Series, turning_points, upward_zero
 ONSET_UNKNOWN = "slip onset not known"
 
 _HIGHEST_READ = 5  # the highest harmonic taken from a record that an exact waveform fits
-_JACKKNIFE_GROUPS = 400
 _OF_ONSET = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
 
@@ -238,7 +237,7 @@ class Reading:
         """
         weights = self.steady.weights
         rows = len(weights)
-        groups = min(rows, _JACKKNIFE_GROUPS)
+        groups = min(rows, 400)
         member = np.arange(rows) * groups // rows
         return self._drawn(np.where(member == np.arange(groups)[:, None], 0.0, weights), 1.0, 1.0)
 

@@ -20,12 +20,9 @@ _NEIGHBOURS = 6
 
 # Degrees of freedom of a variance that is computed and not seen: its root is known to 30 %.
 _HIDDEN = 6.0
-_FOLDS = 0.1  # of an error: what folds and is less makes no difference
 _MULTIPLES = (
     16  # of the sampling rate, about which harmonics fold: beyond lies a hundredth of what does
 )
-_INEXACT = 0.005  # part of what folds that is not known: the sum over multiples ends
-_EXTRA = 4  # odd harmonics beyond the bandwidth that are taken: they bound the waveform
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +87,8 @@ class RecordHarmonics:
     @classmethod
     def of(cls, steady: SteadyRecord) -> RecordHarmonics:
         """Return the harmonics of a record up to a little beyond its bandwidth."""
-        highest = min(steady.bandwidth + 2 * _EXTRA, len(steady.X_error) - 1)
+        # four odd harmonics beyond the bandwidth bound the waveform
+        highest = min(steady.bandwidth + 8, len(steady.X_error) - 1)
         n = np.arange(1, highest + 1, 2)
         y = steady.mean(steady.Y[:, : steady.base_bandwidth + 1])
         base, higher = y[1], np.arange(2, y.size)
@@ -105,11 +103,13 @@ class RecordHarmonics:
             Y_error=float(steady.Y_error[1]),
             n=n,
             x=x,
-            x_error=np.hypot(noise, _INEXACT * size),
+            # part of what folds that is not known: the sum over multiples ends
+            x_error=np.hypot(noise, 0.005 * size),
             rows=_rows(steady, n),
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
             of_base=steady.added,
-            folds=folds if (size > _FOLDS * noise).any() else None,
+            # what folds and is less than a tenth of an error makes no difference
+            folds=folds if (size > 0.1 * noise).any() else None,
         )
 
 

@@ -18,13 +18,8 @@ from ..arrays import Array, Complexes
 
 # Points of the search for a peak: five for each of the highest harmonics, 91 and less.
 _POINTS_OF_CYCLE = 1024
-_NEAR_END = 0.005  # part of the range: so close to an end, and four times the noise, a mass counts as resting
-_NOISE_AT_END = 4.0  # standard deviations: a sample in 16,000 lies beyond
-_RESTING = 2.0  # times as long as a harmonic motion is as close to its end
-_LONGEST_STEP = 0.5  # rad: the longest step towards a zero
 # Halley's method takes three or four steps, except where a contact is so stiff that the motion nearly stops.
 _MOST_HALLEY_STEPS = 8
-_CONVERGED_PHASE = 1e-6  # rad: the next of Halley's steps would be some hundred times its cube
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +67,8 @@ def turning_points(series: Series, *, rests: bool) -> tuple[Array, Array]:
 def upward_zero(series: Series, lag: Array) -> Array:
     """Return ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,)."""
     odd = series.symmetric
-    return _zero(odd.n, odd.x, lag - 0.5 * math.pi, _LONGEST_STEP)
+    # 0.5 rad: the longest step towards a zero
+    return _zero(odd.n, odd.x, lag - 0.5 * math.pi, 0.5)
 
 
 def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
@@ -84,7 +80,8 @@ def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
         step = value / rate
         step = step / np.maximum(1.0 - 0.5 * step * bent / rate, 0.5)
         at = at - np.clip(step, -reach, reach)
-        if np.all(np.abs(step) < _CONVERGED_PHASE):
+        # 1e-6 rad: the next of Halley's steps would be some hundred times its cube
+        if np.all(np.abs(step) < 1e-6):
             break
     return at
 
@@ -114,11 +111,13 @@ def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | No
     noise : standard deviation of the values.
     """
     reach = float(np.ptp(values))
-    near = min(_NEAR_END * reach + _NOISE_AT_END * noise, 0.5 * reach)
+    # so close to an end a mass counts as resting; a sample in 16,000 lies beyond four standard deviations
+    near = min(0.005 * reach + 4.0 * noise, 0.5 * reach)
     off = np.roll(values, -highest) < values[highest] - near
     after, before = int(np.argmax(off)), int(np.argmax(off[::-1]))
     harmonic = math.acos(1.0 - 2.0 * near / reach) / math.pi * values.size
-    if after + before < _RESTING * harmonic:
+    # twice as long as a harmonic motion is as close to its end
+    if after + before < 2.0 * harmonic:
         return None
     middle, quarter = highest + 0.5 * (after - before), 0.25 * (after + before)
     return middle - quarter, middle + quarter

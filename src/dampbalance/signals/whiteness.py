@@ -18,8 +18,6 @@ from .bursts import QUIET_PARTS, noise_of
 
 # Least variance that is taken for noise, relative to its stated one: what a record without noise leaves is rounding.
 _SHARE_OF_ROUNDING = 0.1
-_FEWEST_RESIDUALS = 400  # samples from which the third differences of a record measure its noise
-_MEDIAN = 1.77  # relative error of the median of n third differences, times √n
 _SIGMAS, _SYSTEMATIC = 6.0, 0.05  # error of the least of several such medians
 
 
@@ -74,8 +72,10 @@ def excess_over_noise(residual: Array, values: Array, noise: float) -> float:
 
     residual : in units of `noise`.   values : the samples.
     """
-    if values.size < _FEWEST_RESIDUALS:
+    # the third differences of fewer samples do not measure the noise
+    if values.size < 400:
         return 1.0
     ratio = math.sqrt(float(np.mean(residual**2))) * noise / noise_of(values)
-    error = _MEDIAN / math.sqrt(values.size / QUIET_PARTS)
+    # relative error of the median of n third differences, 1.77/√n
+    error = 1.77 / math.sqrt(values.size / QUIET_PARTS)
     return ratio if ratio > 1.0 + _SYSTEMATIC + _SIGMAS * error else 1.0

@@ -23,8 +23,6 @@ PART = 131_072
 MOST_CHUNKS = 20_000
 """More jobs than this keep the scheduler busier than the processors: make the chunks larger."""
 
-_SPARE = 0.05  # share of the free disk that a study leaves free
-
 
 class Cases(NamedTuple):
     """n cases that are computed together.
@@ -195,7 +193,8 @@ def check_size(study: Study, size: StudySize, folder: str | Path, file: str | Pa
         )
     path = Path(folder).absolute()
     existing = next(place for place in (path, *path.parents) if place.exists())
-    needed, free = 2 * size.table_bytes, int((1.0 - _SPARE) * shutil.disk_usage(existing).free)
+    # a study leaves 5 % of the free disk
+    needed, free = 2 * size.table_bytes, int((1.0 - 0.05) * shutil.disk_usage(existing).free)
     if needed > free:
         raise ConfigurationError(
             f"{file}: axes: {size.cases:,} cases would take {size_in_words(needed)} of disk while they are computed, "

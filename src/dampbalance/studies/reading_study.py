@@ -47,9 +47,6 @@ MOST_SAMPLES_READ = 1_000_000
 MOST_NUMBERS = 200_000_000
 """Numbers that a job holds at a time: cases × columns, or × replicates × levels × features."""
 
-_FEATURES = 20  # numbers that a replicate has
-_USUAL_PANELS = 6  # more values are drawn along an axis, not as panels
-
 
 def read_study(path: str | Path, paper: Mapping[str, Any] = PAPER_CASE) -> Study:
     """Return the study of a YAML file, named after the file.
@@ -197,7 +194,8 @@ def _wrong_sizes(_: object, study: Study) -> Iterator[Problem]:
             yield ("route",), f"{text}; take fewer cycles, or samples further apart"
     each = len(case_columns(study))  # numbers in memory for a case
     if study.route.is_noisy:
-        each = max(each, study.replicates * len(study.levels) * _FEATURES)
+        # 20 numbers of each replicate
+        each = max(each, study.replicates * len(study.levels) * 20)
     part, enough = min(study.chunk_cases, study.cases, PART), max(1, MOST_NUMBERS // each)
     if part * each > MOST_NUMBERS:
         text = f"{part:,} cases at a time do not fit in memory; take {enough:,} at most"
@@ -274,7 +272,8 @@ def _usual_figures(study: Study) -> Iterator[dict[str, Any]]:
     blocks = [[*block.axes][: None if isinstance(block, Sampled) else 1] for block in study.blocks]
     values = {name: [*dict.fromkeys(study.values_of(name))] for names in blocks for name in names}
     sizes = {name: len(listed) or math.inf for name, listed in values.items() if len(listed) != 1}
-    few = [name for name in sizes if sizes[name] <= _USUAL_PANELS]
+    # more than six values are drawn along an axis, not as panels
+    few = [name for name in sizes if sizes[name] <= 6]
     numbers = [name for name in sizes if not parameter(name).is_word]
     if study.route.is_noisy and "run" in sizes:
         for x in sorted(

@@ -15,8 +15,6 @@ from .containers import lvm_file, parquet_file, tdms_file, uff_file, wav_file
 from .spreadsheets import spreadsheet_file
 from .text import text_file
 
-_HEAD = 4096  # bytes that are examined: a user block of a few kB may precede HDF5
-
 
 class Format(NamedTuple):
     """A format: what people call it, its suffixes, what reads it (each imports its library), and how its files begin,
@@ -74,7 +72,8 @@ def checked_format(path: Path) -> Format:
             )
             raise RecordError(f"{path}: is {what}")
         with open(path, "rb") as stream:
-            head = stream.read(_HEAD)
+            # a user block of a few kB may precede HDF5
+            head = stream.read(4096)
     except OSError as error:
         name = shortened(str(path), 200)[1:-1]
         raise RecordError(f"{name}: {str(error.strerror).lower()}") from None

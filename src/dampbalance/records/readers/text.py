@@ -28,13 +28,9 @@ from ..units import find_other, find_unit, split_label
 
 WHITESPACE = "whitespace"
 _Cells: TypeAlias = Sequence[list[str]]
-_SAMPLE_LINES = 400  # enough for any header and some rows
-_SAMPLE_CHARACTERS = 2_000_000
 _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
 _BRACKETS = "[](){} "
-# Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
-_SLOWEST = 20.0
 # first cells of the lines of names and of units in the header of a logger
 _NAMES, _UNITS = ("channel_name", "channel_names", "channel", "name"), ("unit", "units")
 _MISSING = {"", "na", "n/a", "null", "none"} | {
@@ -175,7 +171,8 @@ def _stated_rate(table: _Cells, decimal: str) -> float | None:
             known = find_unit(stated or ("s" if step else "Hz"))
             value = float(number.replace(decimal, ".")) * (known.factor if known else 0.0)
             rate = 1.0 / value if step and value else value
-            if (LOWEST_RATE if stated else _SLOWEST) <= rate <= HIGHEST_RATE:
+            # 20.0 Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
+            if (LOWEST_RATE if stated else 20.0) <= rate <= HIGHEST_RATE:
                 return rate
     return None
 
@@ -377,7 +374,8 @@ def text_table(
     text after the last row are left aside, with a warning.
     """
     with opened() as stream:
-        lines = stream.readlines(_SAMPLE_CHARACTERS)[:_SAMPLE_LINES]
+        # enough for any header and some rows
+        lines = stream.readlines(2_000_000)[:400]
     begun = (line.lstrip()[:1] for line in lines)
     comment = comment or next((mark for mark in begun if mark in [*_COMMENTS]), "#")
     possible = [mapping.delimiter] if mapping.delimiter else _DELIMITERS

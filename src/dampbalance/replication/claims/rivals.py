@@ -17,7 +17,6 @@ from ...project.files import read_csv
 from ..authors_route import scheme_table, trial_table
 
 FILES = "schemes.csv", "cycles.csv"
-_SAME = 1e-9  # relative; another processor changes a and W by up to 5e-14
 
 
 def rivals(
@@ -33,6 +32,7 @@ def rivals(
     recorded = own[["c_N_s_per_m", "a_m", "W_J"]].to_numpy()
     c = np.full_like(rebuilt.a, case.oscillator.c)
     here = np.column_stack([c, rebuilt.a, rebuilt.W])
-    if recorded.shape == here.shape and np.allclose(recorded, here, rtol=_SAME, atol=0.0):
+    # 1e-9 relative; another processor changes a and W by up to 5e-14
+    if recorded.shape == here.shape and np.allclose(recorded, here, rtol=1e-9, atol=0.0):
         return schemes, cycles
     return scheme_table(case, frequency), trial_table(case, frequency)

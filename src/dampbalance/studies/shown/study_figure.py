@@ -38,7 +38,6 @@ PHASE_WORDS = {
     "zero_crossing": "phase of the zero crossing",
     "fundamental": "phase of the fundamental",
 }
-_APART = 1.13  # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
 _COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels of many runs, mm
 _CONFIDENCE = 95.0  # %
 _TRAITS = ("phase", "sharing", "contact", "weights", "kind")
@@ -339,7 +338,8 @@ def _line_styles(
         {"ls": DASHED, "mfc": "white"},
         {"ls": DOTTED, "marker": "x"},
     ]
-    apart = min(_APART, between ** (0.7 / len(lines)))
+    # ratio by which neighbouring lines are moved apart along x, so that their bars do not overlap
+    apart = min(1.13, between ** (0.7 / len(lines)))
     seen: list[str] = []
     for index, fit in enumerate(lines.values()):
         look = look_of(fit.approach)
