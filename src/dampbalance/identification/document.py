@@ -140,5 +140,5 @@ def _of_law(law: LawWeight) -> dict[str, Any]:
         for key, pair in law.coefficients.items()
         for what, number in zip(("", "_standard_error"), pair, strict=True)
     }
-    of_fit = {"chi_square": law.chi_square, "degrees_of_freedom": law.freedom}
-    return {"terms": law.terms, "weight": law.weight, **numbers, **of_fit}
+    fit = law.fit and {"chi_square": law.fit.chi_square, "degrees_of_freedom": law.fit.freedom}
+    return {"terms": law.terms, "weight": law.weight, **numbers, **(fit or {})}

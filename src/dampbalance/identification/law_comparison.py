@@ -10,25 +10,25 @@ is the logarithm of its evidence (`fit.select.evidence_of`), and its weight is i
 for each term, π the share of the rigs that have it.
 
 Few laws need a fit. To first order a fit shows those with one term more (score test), one fewer (Wald), and one in
-place of another: the fit to the heaviest law that has none is computed until none of them weighs more than `REFITTED`.
+place of another: the heaviest law without a fit is fitted until none of these weighs more than `REFITTED`.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
 from ..findings.finding import Finding
 from ..fit.decay import DecayFit, departures_of
-from ..fit.fit import Fit
 from ..fit.multistart import Trail, multistart
+from ..fit.parameters import Parameters
 from ..fit.score import Departure, departures_from
+from ..fit.search import sound
 from ..fit.select import PRIORS, REFITTED, bayes_factor, evidence_of, noise_of
 from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
@@ -45,28 +45,29 @@ DECAY_TERMS = (FRICTION, "c", "c_2")
 
 _PRIOR = PRIORS["law"]
 _ODDS = math.log(_PRIOR.share / (1.0 - _PRIOR.share))
-_NO_FIT = (
-    4.0  # times the noise squared: a residual twice as large as the noise is that of another model
-)
-_NO_FORCE = 1e-9  # of k times the smallest base motion: a friction force that stands for none
-_ALIKE = 1.001  # of frequencies: closer ones count as one
 
 Terms = tuple[Term, ...]
+Tests = Mapping[str, Sequence[Departure]]
 
 
 @dataclass(frozen=True, eq=False)
 class LawWeight:
     """A law with its weight.
 
-    coefficients : by key, (value, standard error), SI units; empty of a law that is known to first order.
-    chi_square, freedom : of its fit, in units of the noise of the records; NaN to first order.
+    fit : None where it is known to first order.   noise : square of its scale.
     """
 
     terms: Terms
     weight: float
-    coefficients: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    chi_square: float = math.nan
-    freedom: float = math.nan
+    fit: Any
+    noise: float
+
+    @property
+    def coefficients(self) -> dict[str, tuple[float, float]]:
+        """Value and standard error of each coefficient, by its key, SI units; empty to first order."""
+        keys = [] if self.fit is None else _keys(self.terms, self.fit)
+        scale = math.sqrt(self.noise)
+        return {key: (self.fit.value(key), scale * self.fit.error(key)) for key in keys}
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +80,18 @@ class LawComparison:
 
     laws: tuple[LawWeight, ...]
     noise: float
-    left_out: tuple[Finding, ...] = ()
+    left_out: tuple[Finding, ...]
     decays: bool = False
+
+    @property
+    def fits(self) -> bool:
+        """Whether the heaviest law leaves noise: less than twice that of the records, or of decays white noise."""
+        return sound(self.laws[0].fit) if self.decays else self.noise < 4.0
 
     @property
     def chosen(self) -> Terms | None:
         """The heaviest law; None where even that does not fit."""
-        return self.laws[0].terms if self.laws and self.noise < _NO_FIT else None
+        return self.laws[0].terms if self.laws and self.fits else None
 
     @property
     def alike(self) -> tuple[Terms, ...]:
@@ -97,128 +103,116 @@ class LawComparison:
         """What follows from the weights."""
         if not self.laws:
             return [*self.left_out, Finding("no law tested")]
-        best = {"law": self.laws[0].terms, "weight": self.laws[0].weight}
-        if self.chosen is None:
-            of = {"times": math.sqrt(self.noise), "most": MOST_TERMS, "decays": self.decays}
-            return [*self.left_out, Finding("no law", best | of)]
-        found = [*self.left_out, Finding("law", best)]
-        if self.alike:
-            found.append(Finding("laws alike", {"laws": self.alike, "decays": self.decays}))
-        return found
+        of = {"law": self.laws[0].terms, "weight": self.laws[0].weight, "laws": self.alike}
+        of |= {"times": math.sqrt(self.noise), "most": MOST_TERMS, "decays": self.decays}
+        codes = (["law"] + ["laws alike"] * bool(self.alike)) if self.fits else ["no law"]
+        return [*self.left_out, *(Finding(code, of) for code in codes)]
 
 
 def weighed(
-    starts: Iterable[Terms],
     laws: Sequence[Terms],
+    first: tuple[Terms, Any],
     sizes: Mapping[str, float],
-    fitted: Callable[[Terms, Fit | None], Fit | None],
-    scored: Callable[[Terms, Fit], Mapping[str, Sequence[Departure]]],
+    fitted: Callable[[Terms, Any], Any],
+    scored: Callable[[Terms, Any], Tests],
 ) -> tuple[tuple[LawWeight, ...], float]:
-    """Return the weights of laws, the heaviest first, and the square of the scale of the noise.
+    """Return laws with their weights, the heaviest first, and the square of the scale of the noise.
 
-    starts : laws to fit first, until one has a fit.   sizes : coefficient of each term that takes all of the work.
-    fitted : fit of a law, with the best one so far.   scored : what each term that a fit lacks would explain.
+    first : a law with its fit.   sizes : coefficient of each term that alone takes all of the work.
+    fitted : returns the fit of a law, from the nearest one so far; None where it has none.   scored : returns what the
+    coefficients of each term that a law lacks would explain of what its fit leaves.
     """
-    first = next(((law, fit) for law in starts if (fit := fitted(law, None)) is not None), None)
-    if first is None:
-        return (), 1.0
-    fits, tests, failed = dict([first]), dict[Terms, Any](), set[Terms]()
+    fits, tests, failed = dict([first]), dict[Terms, Tests](), set[Terms]()
 
     def weights_in(noise: float) -> dict[Terms, float]:
-        logs = dict[Terms, float]()
         own = {law: _evidence(law, fit, sizes, noise) for law, fit in fits.items()}
+        logs = dict[Terms, float]()
         for law in sorted(fits, key=own.__getitem__):  # the best last: nearest to what is true
-            for other, by in _neighbours(law, fits[law], tests[law], sizes, noise):
-                logs[other] = own[law] + by
-        logs = {law: of for law, of in (logs | own).items() if law in laws and law not in failed}
+            nearby = _neighbours(law, fits[law], tests[law], sizes, noise)
+            logs |= {other: own[law] + by for other, by in nearby}
+        logs = {law: value for law, value in (logs | own).items() if law in {*laws} - failed}
         powers = np.exp(np.array([*logs.values()]) - max(logs.values()))
         return dict(zip(logs, (powers / powers.sum()).tolist(), strict=True))
 
     while True:
         tests |= {law: scored(law, fit) for law, fit in fits.items() if law not in tests}
         noise = min(noise_of(fit.chi_square, fit.freedom) for fit in fits.values())
-        # what a law far from the records leaves is no noise: the way to the best one is sought without
+        # what a law far from the records leaves is no noise: the best one is sought without
         for weights in map(weights_in, (1.0, noise)):
             asked = [law for law in weights if law not in fits and weights[law] > REFITTED]
             if asked:
                 break
         else:
-            every = [_weight(law, weights.get(law, 0.0), fits.get(law), noise) for law in laws]
-            return tuple(sorted(every, key=lambda one: -one.weight)), noise
+            break
         law = max(asked, key=weights.__getitem__)
-        if (fit := fitted(law, min(fits.values(), key=lambda one: one.chi_square))) is None:
-            failed.add(law)
-        else:
-            fits[law] = fit
+        fit = fitted(law, min(fits.values(), key=lambda one: one.chi_square))
+        fits |= {} if fit is None else {law: fit}
+        failed |= {law} if fit is None else set()
+    found = [LawWeight(law, weights.get(law, 0.0), fits.get(law), noise) for law in laws]
+    return tuple(sorted(found, key=lambda one: -one.weight)), noise
 
 
-def _keys(law: Iterable[str], fit: Fit) -> list[str]:
-    """Return the keys of the coefficients that a law has in a fit, those that are free."""
+def _keys(law: Iterable[str], fit: Any) -> list[str]:
+    """Return the keys of the coefficients of terms that are free in a fit."""
     return [one.key for one in fit.parameters if one.free and one.name in {*map(str, law)}]
 
 
-def _evidence(law: Terms, fit: Fit, sizes: Mapping[str, float], noise: float) -> float:
+def _evidence(law: Terms, fit: Any, sizes: Mapping[str, float], noise: float) -> float:
     """Return ln of evidence and prior of a law that is fitted."""
     keys = _keys(law, fit)
-    tau = [_PRIOR.size * sizes[term(key).symbol] for key in keys]
     values = np.array([fit.value(key) for key in keys])
+    tau = [_PRIOR.size * sizes[term(key).symbol] for key in keys]
     covariance = noise * fit.covariance_of(*keys)
     return evidence_of(fit.chi_square / noise, values, covariance, tau) + _ODDS * len(law)
 
 
 def _neighbours(
-    law: Terms,
-    fit: Fit,
-    tested: Mapping[str, Sequence[Departure]],
-    sizes: Mapping[str, float],
-    noise: float,
-) -> Iterable[tuple[Terms, float]]:
-    """Yield laws that differ from one by a term more, one fewer, or one in place of another, each with how much more
-    ln of evidence and prior it has, to first order."""
+    law: Terms, fit: Any, tests: Tests, sizes: Mapping[str, float], noise: float
+) -> Iterator[tuple[Terms, float]]:
+    """Yield laws with a term more, one fewer, or one in place of another, and by how much ln of evidence and prior is
+    larger, to first order."""
 
-    def factor(symbol: str, value: float, square: float) -> float:
+    def gained(symbol: str, value: float, square: float) -> float:
         prior = _PRIOR._replace(size=_PRIOR.size * sizes[symbol])
-        return bayes_factor(value, math.sqrt(noise * square), prior)[0] if square > 0.0 else 0.0
+        return bayes_factor(value, math.sqrt(noise * square), prior)[0] if square else 0.0
 
-    def without(symbol: str, added: Sequence[Departure] = ()) -> float:
-        lost = -_ODDS
+    def lost(symbol: str, added: Sequence[Departure] = ()) -> float:
+        total = _ODDS
         for key in _keys([symbol], fit):
+            by = [one.slopes.get(key, 0.0) for one in added]
             value = fit.value(key) + math.fsum(
-                one.value * one.slopes.get(key, 0.0) for one in added
+                a * one.value for a, one in zip(by, added, strict=True)
             )
-            moved = math.fsum((one.error * one.slopes.get(key, 0.0)) ** 2 for one in added)
-            lost -= factor(symbol, value, fit.error(key) ** 2 + moved)
-        return lost
+            errors = [fit.error(key), *(a * one.error for a, one in zip(by, added, strict=True))]
+            total += gained(symbol, value, math.fsum(error**2 for error in errors))
+        return total
 
-    if FRICTION not in law:  # what it would explain is not known: it has to be fitted
+    if FRICTION not in law:  # what it would explain has to be fitted
         yield in_order((FRICTION, *law)), 0.0
-    for symbol in law:
-        yield in_order({*law} - {symbol}), without(symbol)
-    for more, of in tested.items():
-        gained = _ODDS + math.fsum(factor(more, one.value, one.error**2) for one in of)
-        yield in_order((*law, more)), gained
+    yield from ((in_order({*law} - {symbol}), -lost(symbol)) for symbol in law)
+    for more, added in tests.items():
+        by = _ODDS + math.fsum(gained(more, one.value, one.error**2) for one in added)
+        yield in_order((*law, more)), by
         for symbol in law:
-            yield in_order({*law, more} - {symbol}), gained + without(symbol, of)
+            yield in_order({*law, more} - {symbol}), by - lost(symbol, added)
 
 
-def _weight(law: Terms, weight: float, fit: Fit | None, noise: float) -> LawWeight:
-    if fit is None:
-        return LawWeight(law, weight)
-    scale = math.sqrt(noise)
-    values = {key: (fit.value(key), scale * fit.error(key)) for key in _keys(law, fit)}
-    return LawWeight(law, weight, values, fit.chi_square, fit.freedom)
-
-
-def laws_of(terms: Sequence[str], given: Iterable[str] = ()) -> list[Terms]:
-    """Return the laws of up to `MOST_TERMS` of some terms in addition to those that are given, with friction and
-    without, the smallest first."""
+def _laws(terms: Sequence[str], given: Iterable[str] = ()) -> list[Terms]:
+    """Return the laws of `MOST_TERMS` terms or fewer in addition to those that are given, with friction and without,
+    the smallest first."""
     laws = {
         in_order((*friction, *given, *some))
-        for friction in ((FRICTION,), given)
+        for friction in ((FRICTION,), ())
         for size in range(MOST_TERMS + 1)
         for some in itertools.combinations(terms, size)
     }
     return sorted(filter(None, laws), key=lambda law: (len(law), law))
+
+
+def _sizes(force: float, speed: float, k: float, omega: float) -> dict[str, float]:
+    """Return the coefficient of each term that has this force at a speed."""
+    others = {s: of.force for s, of in KNOWN_TERMS.items() if of.force is not None}
+    return {FRICTION: force} | {s: force / of(speed, 0.0, k, omega) for s, of in others.items()}
 
 
 @one_thread
@@ -239,67 +233,56 @@ def compare_laws(
     """
     asked, lines = law or Law(), tuple(reading.lines for reading in readings)
     frequencies = [reading.steady.frequency_hz for reading in readings]
-    left_out: tuple[Finding, ...] = ()
-    every = in_order((*KNOWN_TERMS, *asked.terms))
-    terms = [s for s in every if s not in (FRICTION, *asked.given)]
-    if max(frequencies) < _ALIKE * min(frequencies) and {"c", "eta"} <= {*terms}:
-        terms.remove(term("eta"))
-        left_out = (Finding("eta like c"),)
-    none = {FRICTION: _NO_FORCE * k * min(one.Y for one in lines)}
+    # at one frequency, to a part in a thousand, eta acts as c does
+    alone = max(frequencies) < 1.001 * min(frequencies) and "c" not in asked.given
+    terms = [
+        s for s in KNOWN_TERMS if s not in (FRICTION, *asked.given, *(("eta",) if alone else ()))
+    ]
 
     def problem_of(kept: Iterable[str]) -> HarmonicProblem:
-        given = asked.given if FRICTION in kept else {**asked.given, **none}
+        # a friction force that stands for none: 1e-9 of k times the smallest base motion
+        none = {} if FRICTION in kept else {FRICTION: 1e-9 * k * min(one.Y for one in lines)}
         groups = {s: of for s, of in asked.groups.items() if s in kept}
-        return HarmonicProblem(Law(in_order((FRICTION, *kept)), given, groups), lines, k)
+        own = Law(in_order((FRICTION, *kept)), {**asked.given, **none}, groups)
+        return HarmonicProblem(own, lines, k)
 
-    def fitted(kept: Terms, near: Any) -> WaveformFit | None:
+    def fitted(kept: Terms, near: WaveformFit | None) -> WaveformFit | None:
         fit = fit_quickly(problem_of(kept), near)
         if fit is not None and mass is not None and fit.parameters["m"].free:
             fit = refit(fit, given={"m": mass}) or fit
         return fit
 
-    def scored(kept: Terms, fit: Any) -> dict[str, Sequence[Departure]]:
-        rest = [s for s in terms if s not in kept]
-        tests = {s: _of_term(s, problem_of((*kept, s)), fit) for s in rest}
+    def scored(kept: Terms, fit: WaveformFit) -> Tests:
+        tests = {s: _of_term(s, problem_of((*kept, s)), fit) for s in terms if s not in kept}
         return {s: of for s, of in tests.items() if of}
 
-    laws = [
-        one
-        for one in laws_of(terms, asked.given)
-        if len(problem_of(one).law.unknowns) <= len(readings)
-    ]
-    starts = [one for one in laws if FRICTION in one and len({*one} & {*terms}) == 1] or laws
-    sizes = _sizes(problem_of((FRICTION, *terms)))
-    return LawComparison(*weighed(starts, laws, sizes, fitted, scored), left_out)
+    laws = _laws(terms, asked.given)
+    laws = [one for one in laws if 0 < len(problem_of(one).law.unknowns) <= len(readings)]
+    # friction and another term are nearer to most rigs than friction alone
+    begun = ((one, fitted(one, None)) for one in sorted(laws, key=lambda one: abs(len(one) - 2)))
+    first = next((of for of in begun if of[1] is not None), None)
+    left_out = (Finding("eta like c"),) if alone else ()
+    if first is None:
+        return LawComparison((), 1.0, left_out)
+    fast = max(lines, key=lambda one: one.omega * abs(one.x[0]))
+    force, speed = k * fast.Y * abs(fast.x[0].imag / fast.x[0]), fast.omega * abs(fast.x[0])
+    sizes = _sizes(force, speed, k, fast.omega)
+    return LawComparison(*weighed(laws, first, sizes, fitted, scored), left_out)
 
 
-def _of_term(symbol: str, problem: HarmonicProblem, fit: WaveformFit) -> Sequence[Departure]:
+def _of_term(symbol: str, problem: HarmonicProblem, fit: WaveformFit) -> list[Departure]:
     """Return what the coefficients of one more term would explain of the residual of a fit, to first order; nothing
     where the motion under it cannot be followed."""
     start = problem.like(fit)
     start = start if fit.parameters["m"].free else start.held("m")
     whole = problem.evaluate(start.values, start.free, Trail())
     if whole is None:
-        return ()
-    added = {one.key: whole[:, start.places[one.key]] for one in start if one.name == symbol}
-    free = [one for one in start if one.free and one.name != symbol]
-    free.sort(key=lambda one: one.name in ("Y", "psi"))
-    known = whole[:, [start.places[one.key] for one in free]]
-    return departures_from(whole[:, -1], known, added, [one.key for one in free], noise_known=True)
-
-
-def _sizes(problem: HarmonicProblem) -> dict[str, float]:
-    """Return the coefficient of each term that alone takes the work of a record, the median of the records."""
-    dampers: Array = np.array(  # c = kY sin φ/(ωX), and F_k = πkY sin φ/4
-        [
-            problem.k * one.Y * abs(one.x[0].imag) / abs(one.x[0]) ** 2 / one.omega
-            for one in problem.lines
-        ]
-    )
-    speeds = np.array([one.omega * abs(one.x[0]) for one in problem.lines])
-    of = {str(s): problem.equivalents(s) * dampers for s in problem.law.terms}
-    of[FRICTION] = 0.25 * math.pi * dampers * speeds
-    return {s: float(np.median(values)) for s, values in of.items()}
+        return []
+    free = sorted((one for one in start if one.free), key=lambda one: one.name in ("Y", "psi"))
+    columns = {one.key: whole[:, start.places[one.key]] for one in free}
+    added = {one.key: columns.pop(one.key) for one in free if one.name == symbol}
+    known = np.column_stack([*columns.values()])
+    return departures_from(whole[:, -1], known, added, [*columns], noise_known=True)
 
 
 @one_thread
@@ -311,25 +294,24 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
     fit : of the oscillator with friction and viscous damping to all decays.
     """
     speed = fit.problem.speed(fit.point)
-    orders = {s: KNOWN_TERMS[s].order for s in DECAY_TERMS}
-    force = math.fsum(fit.value(s) * speed**n for s, n in orders.items())
-    sizes = {s: force / speed**n for s, n in orders.items()}
+    units = _sizes(1.0, speed, fit.k, 1.0)
+    force = math.fsum(fit.value(s) / units[s] for s in DECAY_TERMS)
+    sizes = {s: force * unit for s, unit in units.items()}
 
-    def fitted(kept: Terms, near: Any) -> DecayFit | None:
-        if near is None:
-            return fit
-        return fit_law(fit, kept, [near.parameters, fit.parameters])
+    def fitted(kept: Terms, near: DecayFit) -> DecayFit | None:
+        return fit_law(fit, kept, (near.parameters, fit.parameters))
 
-    def scored(kept: Terms, of: Any) -> dict[str, Sequence[Departure]]:
+    def scored(kept: Terms, of: DecayFit) -> Tests:
         return {one.symbol: [one] for one in departures_of(of) if one.symbol in DECAY_TERMS}
 
-    own = in_order(s for s in DECAY_TERMS if s in fit.free)
-    laws = laws_of([s for s in DECAY_TERMS if s != FRICTION])
-    left_out = (Finding("damping alike in decays"),)
-    return LawComparison(*weighed([own], laws, sizes, fitted, scored), left_out, decays=True)
+    first = in_order(s for s in DECAY_TERMS if s in fit.free), fit
+    laws = weighed(_laws(DECAY_TERMS[1:]), first, sizes, fitted, scored)
+    return LawComparison(*laws, (Finding("damping alike in decays"),), decays=True)
 
 
-def fit_law(fit: DecayFit, terms: Sequence[str], starts: Sequence[Any] = ()) -> DecayFit | None:
+def fit_law(
+    fit: DecayFit, terms: Sequence[str], starts: Sequence[Parameters] = ()
+) -> DecayFit | None:
     """Return the oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to
     one.
 
