@@ -29,7 +29,7 @@ from ..fit.multistart import Trail, multistart
 from ..fit.parameters import Parameters
 from ..fit.score import Departure, departures_from
 from ..fit.search import sound
-from ..fit.select import PRIORS, REFITTED, bayes_factor, evidence_of, noise_of
+from ..fit.select import NOISE_ALONE, PRIORS, REFITTED, bayes_factor, evidence_of, noise_of
 from ..fit.steady_search import fit_quickly, refit
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
@@ -85,8 +85,12 @@ class LawComparison:
 
     @property
     def fits(self) -> bool:
-        """Whether the heaviest law leaves noise: less than twice that of the records, or of decays white noise."""
-        return sound(self.laws[0].fit) if self.decays else self.noise < 4.0
+        """Whether the heaviest law leaves noise: less than twice that of the records, or of decays nothing that another
+        coefficient explains."""
+        fit = self.laws[0].fit
+        if not self.decays:
+            return self.noise < 4.0
+        return sound(fit) and all(one.p > NOISE_ALONE for one in departures_of(fit))
 
     @property
     def chosen(self) -> Terms | None:

@@ -128,7 +128,7 @@ class _OfDecays(TypedDict, total=False):
 
 class _OfForcedOrDecays(TypedDict, total=False):
     laws: Annotated[bool, Option(
-        "whether to compare laws of one or two terms, with and without friction, and name the one that the records "
+        "whether to weigh the laws of one or two terms, with and without friction, and name the one that the records "
         "support", False)]
 
 
