@@ -30,7 +30,6 @@ from .style import (
     styled,
 )
 
-POINTS = {False: 240, True: 90}  # instants drawn per slip phase, per microstick phase
 _LEFT_COLUMN, _RIGHT_COLUMN, _WIDTH = 15.0, 104.0, 72.0  # mm: the two columns of panels
 _RING: dict[str, Any] = {"marker": "o", "ms": 4.0, "mfc": "white", "mec": INK, "mew": 0.9}
 _RING |= {"ls": "none", "zorder": 5}
@@ -57,7 +56,8 @@ def branches(orbit: Orbit) -> list[Branch]:
     for begin in (0.0, half):
         for n, sign in enumerate(orbit.phases[:, PHASE_S]):
             stick = bool(sign == 0.0)
-            since = np.linspace(edges[n], edges[n + 1], POINTS[stick])
+            # 240 instants for each slip phase, 90 for each microstick phase
+            since = np.linspace(edges[n], edges[n + 1], {False: 240, True: 90}[stick])
             cycle.append(Branch(orbit.state(orbit.t_1 + begin + since), stick))
     return cycle
 

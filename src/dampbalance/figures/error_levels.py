@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 ALL = "all"  # what the tables name in place of a pair: least squares over all levels
 ROUNDING = 1e-11  # %: the least bound stated for rounding; below it the errors are chance
-FLOOR = 1e-4  # %: a smaller error is drawn on the linear part of an axis
 _BELOW = "excitation levels $Y_i$–$Y_j$ of the pair (mm); all: least squares over all levels"
 
 ErrorsOfPairs = dict[tuple[str, str, str], float]
@@ -77,7 +76,8 @@ def estimation_error(
         worst = {key: float(np.abs(of).max()) for key, of in sizes.items()}
         exact.append({key: max(e, ROUNDING) for key, e in worst.items() if e < EXACT})
         others = [np.array(of) for key, of in sizes.items() if key not in exact[-1]]
-        scale = signed_scale(others, FLOOR, math.inf, cut=0.02)
+        # %: a smaller error is drawn on the linear part of the axis
+        scale = signed_scale(others, 1e-4, math.inf, cut=0.02)
         for column, (name, errors) in enumerate(by_frequency.items()):
             axes = panels.panel(row, column)
             axes.set_label(f"{term.symbol} {name}")

@@ -44,7 +44,7 @@ HARMONICS = 32
 """Number of odd harmonics of the change that other terms make to an orbit."""
 
 # Points of a phase: exact for the 63rd harmonic over half a cycle and more.
-_POINTS, _MOST_POINTS = 40, 400
+_POINTS = 40
 
 
 @cache
@@ -169,7 +169,7 @@ class System:
             phases.insert(0, (orbit.t_s, stiff))
         swings = (length * (rate + o.c / o.m) / (2.0 * math.pi) for length, rate in phases)
         points = (_POINTS + 20 * int(min(s, 1e3) / 3.0) for s in swings)
-        return cls(orbit, linear, others, tuple(min(n, _MOST_POINTS) for n in points), further)
+        return cls(orbit, linear, others, tuple(min(n, 400) for n in points), further)
 
     @property
     def slips(self) -> bool:
@@ -303,10 +303,6 @@ class System:
         sticks = np.arange(n) < (self.lengths[0] if len(self.lengths) == 2 else 0)
         force = np.where(sticks, o.K_z * of.u - o.F_k, o.F_k)
         return force, np.asarray(o.K_z * sticks, dtype=np.float64), 0.0
-
-
-# relative to the unknowns: a step as short leaves its square, which is rounding
-_CONVERGED_STATE = 1e-8
 
 
 class Solution(NamedTuple):
@@ -519,7 +515,8 @@ def _solved(system: System, near: Response | None) -> Solution:
         size = float(np.abs(step / _scale(q, n)).max())
         if not size < 1e3:
             break
-        if size < _CONVERGED_STATE:
+        # relative to the unknowns: a step as short leaves its square, which is rounding
+        if size < 1e-8:
             q = q + step
             _require_kind(system, q)
             return Solution(system, q, matrix)

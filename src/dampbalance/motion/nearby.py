@@ -28,8 +28,6 @@ from .regime import Regime
 from .steady import NO_CLOSED_FORM, solve_closed
 
 _MOST_MAPS = 8
-# tolerances of `period_map`, and the shortest last phase of `steady`
-_CONVERGED, _ACCEPTED, _SHORTEST = 1e-14, 1e-12, 1e-12
 
 
 def steady_orbit_near(
@@ -63,8 +61,10 @@ def _follow(par: Parameters, phases: Array, near: Orbit) -> tuple[int, float]:
         count, x1, v1, z1 = half_period_map(x, 0.0, -Z_m, theta, par, phases, D)
         off, size = _size(x + x1, v1, z1 - Z_m, par), _size(x, 0.0, Z_m, par)
         helps = count > 0 and off < 0.5 * before
-        if off <= (_CONVERGED if helps else _ACCEPTED) * size:
-            while count > 1 and half - phases[count - 1, PHASE_T] < _SHORTEST * half:
+        # as in `period_map`
+        if off <= (1e-14 if helps else 1e-12) * size:
+            # as in `steady`
+            while count > 1 and half - phases[count - 1, PHASE_T] < 1e-12 * half:
                 count -= 1
             farthest = np.abs(phases[:count, PHASE_X]).max(initial=0.0) <= -x
             return (count if farthest else 0), theta

@@ -25,8 +25,6 @@ from ..model import Parameters
 from .events import MOST_RADIANS, PHASE_S, PHASE_T, PHASE_X, run
 from .flow import step_response
 
-_CONVERGED = 1e-14  # energy norm of s + Φ(s), relative to that of s
-
 
 @jit
 def half_period_map(
@@ -109,7 +107,8 @@ def solve_period_map(
     used = 0
     while count > 0 and used < most:
         size = _energy_norm(x, v, z, par)
-        if residual <= _CONVERGED * size:
+        # energy norm of s + Φ(s), relative to that of s
+        if residual <= 1e-14 * size:
             return True, x, v, z
         dx, dv, dz = _newton_step(jacobian, x + x1, v + v1, z + z1)
         trial = (x + dx, v + dv, min(max(z + dz, -Z_m), Z_m))

@@ -14,8 +14,6 @@ from .colours import palette
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-NARROW = 0.025  # of a bar: a narrower stretch has no room for its count
-
 
 @styled()
 def match_figure(counts: Sequence[Count]) -> Figure:
@@ -37,7 +35,8 @@ def match_figure(counts: Sequence[Count]) -> Figure:
             "label": label,
         }
         bars = axes.barh([count.part for count in shown], share, 0.75, left, **look)
-        texts = [str(of) if part > NARROW else "" for of, part in zip(n, share, strict=True)]
+        # a narrower stretch of a bar has no room for its count
+        texts = [str(of) if part > 0.025 else "" for of, part in zip(n, share, strict=True)]
         axes.bar_label(bars, texts, label_type="center", color=colours["on-verdict"], weight="bold")
         left += share
     axes.bar_label(bars, [str(count.computed) for count in shown], padding=4.0)

@@ -64,7 +64,6 @@ LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _OF_SENSOR = ("a", "gf")  # before the axes of an accelerometer: ax, gFx
 ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
-RIGHT_ANGLE = 1.6  # rad: what goes farther may be in degrees as well
 _STEPS, _LONGEST = (5e-6, 0.2), 3600.0  # s, of times without a unit; their span
 _SAME = 0.05  # relative: of gravity or of a slope, which tell a unit
 _BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its unit"
@@ -513,7 +512,8 @@ class Guesses:
             size = float(np.nanmax(np.abs(values), initial=0.0))
             swing = 0.5 * (np.nanmax(values, initial=-size) - np.nanmin(values, initial=size))
             counted = np.array_equal(values, np.rint(values))  # by an encoder
-            unit = "rad" if size <= RIGHT_ANGLE else "deg" if swing > ANGLE and not counted else ""
+            # rad: what goes farther may be in degrees as well
+            unit = "rad" if size <= 1.6 else "deg" if swing > ANGLE and not counted else ""
             said = Finding("unit by size", name | {"unit": unit, "size": size})
             return replace(guess, unit=unit, said=said if unit else None)
         if guess.quantity == "acceleration":

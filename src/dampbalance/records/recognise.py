@@ -32,9 +32,6 @@ from .table import Table
 from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
 from .untimed import is_loop, of_speeds
 
-# part of their range: no oscillation passes through so much of it from one sample to the next
-_WRAPPED = 0.9
-
 
 @dataclass(frozen=True, slots=True)
 class Pick:
@@ -296,7 +293,8 @@ def _require_no_overflow(file: Table, pick: Pick, values: Array, present: Intege
     i = int(np.argmax(jumps))
     # integers that converters and files have
     bits = next((bits for bits in (8, 16, 24, 32, 64) if np.ptp(values) < 2.0**bits), 0)
-    if not bits or jumps[i] <= _WRAPPED * 2.0**bits or np.any(values != np.round(values)):
+    # no oscillation passes through so much of its range from one sample to the next
+    if not bits or jumps[i] <= 0.9 * 2.0**bits or np.any(values != np.round(values)):
         return
     raise RecordError(
         f"{file.path}: {file.place(int(present[i + 1]))}: channel {pick.name!r} "

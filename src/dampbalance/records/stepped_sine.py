@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 
 _ORDERS = {"force": 0, "length": 0, "velocity": 1, "acceleration": 2}
 _FEWEST = 3  # lines of a level
-_TURNS = 4.0 * math.pi  # rad: no phase that is counted on over several turns goes beyond it
 
 _EMPTY = "is empty or not a number; repair it, or delete the line"
 _POSITIVE = "is not positive, which all but phases must be; check the column, or delete the line"
@@ -57,7 +56,6 @@ _MIXED = (
 )
 
 _COHERENT = "is no coherence, which is above 0 and up to 1; check the column, or delete the line"
-_PER_DECIBEL = math.log(10.0) / 20.0
 
 Place = tuple[str, int]  # of a level in a file: group and number
 
@@ -223,7 +221,8 @@ class _Table:
         phases = np.concatenate([level.phi for level in levels])
         low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
         # 0.1 rad: phases that differ by less pass through no resonance
-        many, few = max(-low, high) > _TURNS, math.radians(1.0) < high - low < 0.1
+        # no phase that is counted on over several turns goes beyond two
+        many, few = max(-low, high) > 4.0 * math.pi, math.radians(1.0) < high - low < 0.1
         if many if radians else few:
             unit = "rad" if few else "deg"
             raise self._error(
@@ -276,7 +275,8 @@ class _Table:
         si = {q: columns[q][rows] * factor for q, factor in self.factors.items()}
         for q in self.decibels:
             level = 10.0 ** (columns[q.removesuffix(STANDARD_ERROR)][rows] / 20.0) * self.factors[q]
-            si[q] = _PER_DECIBEL * columns[q][rows] * level if q.endswith(STANDARD_ERROR) else level
+            decibels = math.log(10.0) / 20.0 * columns[q][rows]
+            si[q] = decibels * level if q.endswith(STANDARD_ERROR) else level
         omega = si["frequency"]
         rising = np.append(True, np.diff(omega) * np.sign(omega[-1] - omega[0] or 1.0) > 0.0)
         checks = [(q, np.isfinite(columns[q][rows]), _EMPTY) for q in own]

@@ -21,9 +21,6 @@ _BAND = 1.25  # ratio of its upper end to its centre: a decay is no sharp line
 # Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing, and over half a
 # cycle to a tenth, which also takes off a mode of three times the frequency, whose beats look like bursts.
 _SMOOTH, _SMOOTHER = 1.0 / 8.0, 1.0 / 2.0
-# relative to its first swing: a decay falls below it, a steady motion with noise does not
-_DECAYED = 0.85
-_LEAST_FALL, _FEWEST_FALLING = 0.04, 4  # of ln of the swings of another decay; half cycles of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +88,6 @@ SAMPLES_A_CYCLE = 10
 """Below, three fits of ten lead nowhere: the kinks of the motion and the ringing of the stuck mass lie between the
 samples, and the third differences of so few a cycle, which measure the noise, are mostly motion."""
 
-LEAST_NOISE = 3e-6
-"""Noise relative to the motion, below which it is no transducer's."""
-
 
 class NoDecay(ValueError):
     """The record holds no free decay."""
@@ -131,7 +125,8 @@ def sharpest(signals: Sequence[Signal]) -> Signal:
 
 def least_noise(values: Array) -> float:
     """Return the least standard deviation that the noise of a signal is taken to have."""
-    return LEAST_NOISE * float(np.ptp(values))
+    # no transducer has less noise relative to the motion
+    return 3e-6 * float(np.ptp(values))
 
 
 def bursts_of(signal: Signal) -> list[Burst]:
@@ -173,7 +168,8 @@ def _bursts_of(signal: Signal, smooth_over: float) -> list[Burst]:
     # over two windows lies a whole cycle, and its largest swing; two cycles show no steady motion yet
     widest = maximum_filter1d(swing, length, origin=ahead, mode="nearest")
     parts = [slice(i, max(j - 2 * length, i + 1)) for i, j in pairwise([*peaks, swing.size])]
-    steady = all(widest[part].min() > _DECAYED * swing[part.start] for part in parts)
+    # relative to its first swing: a decay falls below it, a steady motion with noise does not
+    steady = all(widest[part].min() > 0.85 * swing[part.start] for part in parts)
     first = swing[peaks[0] : [*peaks, swing.size][1] - length]
     falls = _falls(first, round(0.5 * period / signal.dt))
     if swing.size - peaks[0] > 4 * length and steady and not falls:
@@ -203,12 +199,13 @@ def _falls(swing: Array, half: int) -> bool:
     """Return whether swings fall by more than noise makes them, and no less at the end than at the beginning, where a
     steady motion settles.   half : samples of a half cycle."""
     sizes = np.log(np.maximum.reduceat(swing, np.arange(0, swing.size - half + 1, half)))
-    if sizes.size < _FEWEST_FALLING:
+    if sizes.size < 4:
         return False
     fall, error = slope_of(np.arange(float(sizes.size)), -sizes)
     middle, n = sizes.size // 2, sizes.size - 1
     settles = sizes[middle] - sizes[n] < 0.3 * fall * (n - middle)
-    return fall * n > max(_LEAST_FALL, SIGNIFICANT * error * n) and not settles
+    # of ln of the swings of another decay
+    return fall * n > max(0.04, SIGNIFICANT * error * n) and not settles
 
 
 def _peaks(swing: Array, length: int, least: float, clear: float) -> list[int]:

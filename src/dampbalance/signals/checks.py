@@ -29,11 +29,6 @@ FEW_CYCLES = 10
 # factor of 2 %. From it on a change is reported and widens intervals.
 _SMALLEST_CHANGE = 2e-5
 _AMPLITUDE_WRONG = 0.1  # relative: channels contradict each other, or a record has no steady motion
-# ratio of the changes of phase and amplitude beyond which two clocks, or a growing friction force, are the likely cause
-_PHASE_OVER_AMPLITUDE = 5.0
-# relative to the fundamental; the rounding of a file or a time may leave less
-_SMALLEST_BASE_HARMONIC = 1e-6
-_LARGE_RATIO, _LARGEST_RATIO = 100.0, 300.0  # of the amplitudes of mass and base, or its inverse
 _UNITS = {1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for inches"}
 
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
@@ -293,7 +288,8 @@ def steadiness(
         numbers = {
             **{"drive": i == 0, "change": change.size, "turn": change.turn},
             **{"chance": change.chance, "after": after, "skip": skipped + after if settles else 0},
-            "phase": change.turn > _PHASE_OVER_AMPLITUDE * change.size,
+            # a larger ratio of the two changes means two clocks, or a growing friction force
+            "phase": change.turn > 5.0 * change.size,
             "large": change.size > _AMPLITUDE_WRONG and not settles,
         }
         said = Finding("unsettled", numbers, {"": parts_of[i]})
@@ -327,11 +323,13 @@ def ratio(Y: float, X: float, driven_by: str, coordinate: Coordinate) -> Iterato
     """
     gain = X / Y
     size = max(gain, 1.0 / gain)
-    if size > _LARGE_RATIO:
+    # of the amplitudes of mass and base, or its inverse
+    if size > 100.0:
         nearest = min(_UNITS, key=lambda factor: abs(math.log(size / factor)))
         of = {"gain": gain, "confused": _UNITS[nearest], "by_force": driven_by == "force"}
         angle = coordinate != TRANSLATION
-        rare = size < _LARGEST_RATIO
+        # of the amplitudes of mass and base, or its inverse
+        rare = size < 300.0
         yield Finding("unit", {**of, "angle": angle, "rare": rare}, {} if rare else UNBOUNDED)
 
 
@@ -351,7 +349,8 @@ def highest_of_base(mean: Complexes, error: Array) -> int:
 
     Its work is of first order in the harmonic, so that ones far too small for a warning are counted, too.
     """
-    clear = np.abs(mean) > np.maximum(SIGNIFICANT * error, _SMALLEST_BASE_HARMONIC * abs(mean[1]))
+    # relative to the fundamental; the rounding of a file or a time may leave less
+    clear = np.abs(mean) > np.maximum(SIGNIFICANT * error, 1e-6 * abs(mean[1]))
     return max(1, int(np.flatnonzero(clear)[-1]))
 
 

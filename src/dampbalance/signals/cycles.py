@@ -31,11 +31,7 @@ Numbers = TypeVar("Numbers", Array, Complexes)
 
 _MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
 _OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to the others, where a spike is looked for
-# Ratio of a jump to the steps nearby: a signal that was held goes on with a jump of five of them or more.
-_JUMPS = 2.0
 _AROUND = 8  # cycles that a cycle is compared with: enough for a median, and near enough for a slow change
-# Rms of the residual, as a part of the range, that a signal without noise may leave (because of drift, say).
-_HARMLESS = 1e-3
 FEWEST_CYCLES = 3  # their scatter has two degrees of freedom
 
 
@@ -284,7 +280,8 @@ class _Cycles:
         rms = math.sqrt(float(np.median(square)))
         if not held.any() and float(square.max()) <= _OUTLYING * rms**2:
             return {}
-        usual = max(rms, _HARMLESS * float(np.ptp(s[:, : self.shortest])))
+        # a signal without noise may leave a residual of 1e-3 of its range, because of drift, say
+        usual = max(rms, 1e-3 * float(np.ptp(s[:, : self.shortest])))
         outlying = square > _OUTLYING * usual**2
         suspect = _three_in_a_row(held) | outlying  # four equal samples
         if not suspect.any():
@@ -384,7 +381,8 @@ def _held(s: Array, others: Array, rms: float) -> Finding | None:
         jump = np.fmax(steps[starts[i]], steps[stops[i]])
         length = stops[i] - starts[i]
         near = pace[max(starts[i] - length, 0) : stops[i] + length]
-        held[i] = jump > _JUMPS * near.max() + 5.0 * rms
+        # a signal that was held goes on with a jump of five of the steps nearby or more
+        held[i] = jump > 2.0 * near.max() + 5.0 * rms
     if not held.any():
         return None
     longest = int(np.argmax(np.where(held, stops - starts, 0)))

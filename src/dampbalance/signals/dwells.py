@@ -16,13 +16,10 @@ from ..arrays import Array
 
 # Half the width of the band about the mean, of the largest deviation: without noise, and the widest that leaves cycles.
 _BAND, _WIDEST = 0.05, 0.4
-# Power of a line of the spectrum that is motion: over the median, which is noise, and over the largest one.
-_OF_NOISE, _OF_LARGEST = 20.0, 0.003
 # step of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
 _STEP = math.log(1.15)
 _FEWEST = 8  # cycles of a dwell, of which the motion needs some to settle
 _HELD = 0.6  # part of the cycles that lies in dwells, in a record that consists of them
-_SWEPT = math.log(1.2)  # change of the frequency from end to end, of a drive that sweeps
 
 
 class Dwell(NamedTuple):
@@ -69,7 +66,8 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
         return dwells
     part = max(3, amplitude.size // 50)
     begin, end = (float(np.exp(np.median(logs[1, of]))) for of in (slice(part), slice(-part, None)))
-    if abs(math.log(begin / end)) > _SWEPT and held < _HELD * amplitude.size:
+    # a drive that sweeps changes its frequency by a fifth from end to end
+    if abs(math.log(begin / end)) > math.log(1.2) and held < _HELD * amplitude.size:
         raise Swept(
             f"the drive sweeps from {1.0 / begin:.3g} to {1.0 / end:.3g} Hz: steady responses are needed, each at one "
             "frequency; let the drive dwell there for 20 cycles or more"
@@ -100,7 +98,8 @@ def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
     """Return times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between them, (n,)."""
     s = values - 0.5 * np.sum(np.quantile(values, (0.02, 0.98)))
     power = np.abs(np.fft.rfft(s)[1:]) ** 2
-    clear = power > max(_OF_NOISE * float(np.median(power)), _OF_LARGEST * float(power.max()))
+    # lines of motion: over the median, which is noise, and over the largest one
+    clear = power > max(20.0 * float(np.median(power)), 0.003 * float(power.max()))
     fastest = 1 + int(np.flatnonzero(clear)[-1]) if clear.any() else power.size
     # part of the shortest cycle: a moving average takes 2 % off a sine
     width = int(0.1 * s.size / fastest)

@@ -18,12 +18,6 @@ from .thresholds import SIGNIFICANT
 # Degrees of freedom that a row adds to an error, which is smoothed over five harmonics.
 _NEIGHBOURS = 6
 
-# Degrees of freedom of a variance that is computed and not seen: its root is known to 30 %.
-_HIDDEN = 6.0
-_MULTIPLES = (
-    16  # of the sampling rate, about which harmonics fold: beyond lies a hundredth of what does
-)
-
 
 @dataclass(frozen=True, eq=False)
 class Folds:
@@ -119,7 +113,8 @@ def _rows(steady: SteadyRecord, n: Integers) -> int:
     rows = len(steady.weights)
     hidden = float(np.mean((steady.X_hidden[n] / steady.X_error[n]) ** 2))
     scatter = (1.0 - hidden) ** 2 / (_NEIGHBOURS * max(1, rows - 1))
-    return 1 + max(1, round(1.0 / (scatter + hidden**2 / _HIDDEN) / _NEIGHBOURS))
+    # six degrees of freedom of a variance that is computed and not seen: its root is known to 30 %
+    return 1 + max(1, round(1.0 / (scatter + hidden**2 / 6.0) / _NEIGHBOURS))
 
 
 def _folds(steady: SteadyRecord, n: Integers) -> Folds:
@@ -129,7 +124,8 @@ def _folds(steady: SteadyRecord, n: Integers) -> Folds:
     in the cycle the samples lie and, from cycle to cycle, by the part of a turn εT by which p is not jM ± n; over the
     record sin(πf)/πf of it is left, f = ε cycles.
     """
-    j, sign = np.arange(1, _MULTIPLES + 1)[:, None, None], np.array([1, -1])[:, None]
+    # multiples of the sampling rate, about which harmonics fold: beyond 16 lies a hundredth of what does
+    j, sign = np.arange(1, 17)[:, None, None], np.array([1, -1])[:, None]
     base = steady.mean(steady.Y[:, 1:2])[0]
     middle = math.pi * steady.cycles + float(
         np.angle(base)

@@ -18,8 +18,6 @@ from ..arrays import Array, Complexes
 
 # Points of the search for a peak: five for each of the highest harmonics, 91 and less.
 _POINTS_OF_CYCLE = 1024
-# Halley's method takes three or four steps, except where a contact is so stiff that the motion nearly stops.
-_MOST_HALLEY_STEPS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +71,8 @@ def upward_zero(series: Series, lag: Array) -> Array:
 
 def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
     """Return the upward zero of Re Σ x_n e^{inθ} near θ = at, (r,), by Halley's method.   reach : of a step, rad."""
-    for _ in range(_MOST_HALLEY_STEPS):
+    # three or four steps, except where a contact is so stiff that the motion nearly stops
+    for _ in range(8):
         turned = x * np.exp(1j * np.outer(at, n))
         value, rate, bent = turned.real.sum(axis=1), -turned.imag @ n, -turned.real @ n**2
         rate = np.where(rate > 0.0, rate, np.inf)

@@ -18,7 +18,6 @@ from .bursts import QUIET_PARTS, noise_of
 
 # Least variance that is taken for noise, relative to its stated one: what a record without noise leaves is rounding.
 _SHARE_OF_ROUNDING = 0.1
-_SIGMAS, _SYSTEMATIC = 6.0, 0.05  # error of the least of several such medians
 
 
 def averages(
@@ -78,4 +77,5 @@ def excess_over_noise(residual: Array, values: Array, noise: float) -> float:
     ratio = math.sqrt(float(np.mean(residual**2))) * noise / noise_of(values)
     # relative error of the median of n third differences, 1.77/√n
     error = 1.77 / math.sqrt(values.size / QUIET_PARTS)
-    return ratio if ratio > 1.0 + _SYSTEMATIC + _SIGMAS * error else 1.0
+    # error of the least of several such medians
+    return ratio if ratio > 1.05 + 6.0 * error else 1.0

@@ -44,8 +44,6 @@ HALF = 0.5 * (1.0 + 1e-9)
 WRITTEN = 1e-6
 """Units of the last digit that a number may be off which the route itself writes with the digits of the print."""
 
-FEWEST_DIGITS = 3
-"""Significant digits below which one unit off is no near miss: of two digits, the last one counts per cents."""
 
 MAX_DEVIATION_OF_OTHER_ROUTES = 5e-3
 """Largest relative deviation of a route that does not judge: half of the 1 % that must always be seen."""
@@ -162,7 +160,8 @@ class Claim:
         low, high = self.allowed or (value, value)
         excluded = max(low - value, value - high) > 0.5 * number.unit
         near = abs(self.off(self.route)) <= 1.0 + self.half_unit
-        return near and number.significant >= FEWEST_DIGITS and not excluded
+        # of two significant digits, the last one counts per cents
+        return near and number.significant >= 3 and not excluded
 
 
 def verdict(claim: Claim) -> ClaimVerdict:

@@ -87,8 +87,6 @@ def _cells(row: dict[Hashable, str]) -> list[str]:
 
 WORSE = "printed numbers come out worse than on record"
 """The words by which a summary with offences is recognised."""
-ROWS_ON_SCREEN = 10
-"""Offences that the opening of a summary names: with the sentences above them, half of a terminal's 24 lines."""
 
 
 def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
@@ -139,7 +137,8 @@ def _opening(frame: pd.DataFrame, offences: pd.DataFrame) -> list[str]:
         _open(claims[name], f"{100 * off[name]:g} % off")
         if name in claims
         else (name, printed[name], "no claim")
-        for name in map(str, ranked.index[:ROWS_ON_SCREEN])
+        # with the sentences above them, half of a terminal's 24 lines
+        for name in map(str, ranked.index[:10])
     ]
     return [
         f"{len(offences)} of {len(frame)} {WORSE}; the results are built.",

@@ -23,15 +23,12 @@ from ..parameters import parameter
 from ..study_file import Estimator, Sampled, Study
 from .statistics import Sizes, places_of
 
-MOST_BINS = 72  # along each axis
-PER_BIN = 40  # cases that a bin of a sample should hold on average
 REGION = 0.9  # share of the cases of a bin that its colour is about: nine of ten, as a single one would be chance
 FINEST_LEVEL = 0.1  # of the bound: no lines at smaller errors
 # %: colours tell no smaller errors from zero, and no larger ones from each other
 LEAST_COLOURED, MOST_COLOURED = 1e-2, 1e3
 
-RIGHT_OF_MAPS, BAR = 17.0, 3.0  # mm
-MAP_HEIGHT = 40.0  # mm, of a panel
+RIGHT_OF_MAPS = 17.0  # mm
 SIGNED, SIZES = "coolwarm", "viridis_r"
 """Colours of errors with a sign, from blue to red through a light grey at zero, and of sizes, the larger the darker:
 both change evenly to the eye, and for colour-blind readers."""
@@ -54,7 +51,8 @@ def _axis(study: Study, name: str) -> _Axis:
     block = study.block_of(name)
     if isinstance(block, Sampled):
         limits = block.axes[name]
-        bins = int(np.clip(np.sqrt(study.cases / PER_BIN), 4, MOST_BINS))
+        # 40 cases in a bin on average, and 72 bins along each axis at most
+        bins = int(np.clip(np.sqrt(study.cases / 40), 4, 72))
         edges, logarithmic = limits.at(np.linspace(0.0, 1.0, bins + 1)), limits.spacing == "log"
     else:
         values = np.unique(np.asarray(study.values_of(name), dtype=float))
@@ -99,7 +97,7 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
     kinds = [*dict.fromkeys((fit.phase, fit.sharing) for fit, _ in shown if fit.phase)]
     rows = [(symbol, *kind) for symbol in symbols for kind in kinds or [("", "")]]
     norm, lines = _scale([of.ravel() for of in shown.values()], signed, within)
-    panels = grid(len(rows), len(approaches), right=RIGHT_OF_MAPS, most=MAP_HEIGHT)
+    panels = grid(len(rows), len(approaches), right=RIGHT_OF_MAPS, most=40.0)
     lowest: dict[int, Axes] = {}
     for (fit, symbol), values in shown.items():
         column, kind = approaches.index(fit.approach), (symbol, fit.phase, fit.sharing)
@@ -132,7 +130,7 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
         words.append(f"Exact: {listed([bounded_label(key, exact[key]) for key in exact])}.")
     panels.text_below(" ".join(words), level=4.0)
     left, tall = DOUBLE_COLUMN - RIGHT_OF_MAPS + 2.0, panels.tall(len(rows))
-    bar = place(panels.figure, left, panels.bottom, BAR, tall)
+    bar = place(panels.figure, left, panels.bottom, 3.0, tall)
     ticks = sorted({*lines, 0.0}) if signed else lines
     scale = panels.figure.colorbar(axes.collections[0], cax=bar, ticks=ticks)
     scale.minorticks_off()

@@ -27,10 +27,8 @@ from ..study_file import Estimator, Study, selected
 from .maps import error_map
 from .statistics import spread_of, worst_errors
 
-MOST_DRAWN = 1e3  # %: a larger error is not drawn
 FEW = 24  # cases on a curve up to which each is marked
 MARKS = 6  # on a curve of more
-ALIKE = 0.05  # decades: less than half a millimetre in a panel of five, so that curves would lie upon each other
 BRIEF = 0.08  # of a curve
 HARMONIC = "harmonic"  # the curve that stands for all approaches that take a phase
 PHASE_WORDS = {
@@ -38,7 +36,7 @@ PHASE_WORDS = {
     "zero_crossing": "phase of the zero crossing",
     "fundamental": "phase of the fundamental",
 }
-_COVERAGE, _GAP, _ERRORS = 24.0, 3.0, 40.0  # heights in a row of panels of many runs, mm
+_COVERAGE, _GAP = 24.0, 3.0  # heights in a row of panels of many runs, mm
 _CONFIDENCE = 95.0  # %
 _TRAITS = ("phase", "sharing", "contact", "weights", "kind")
 
@@ -109,7 +107,8 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
                     _draw_size(axes, x[those], error, looks[name], dashed, offset)
             if row == 0 and title:
                 axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
-        low, high = decades(sizes, EXACT, MOST_DRAWN, cut=0.02)
+        # %: a larger error is not drawn
+        low, high = decades(sizes, EXACT, 1e3, cut=0.02)
         for column, axes in enumerate(here):
             _x_axis(axes, figure["x"], places, last=column == len(shown) - 1)
             decades_axis(axes, (low, ROOM * high))
@@ -153,7 +152,8 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
         return dict(curves)
     errors = np.array([curves[name] for name in names])
     spread = np.ptp(np.log10(np.maximum(np.abs(errors), EXACT)), axis=0)
-    alike = (spread < ALIKE) & (np.ptp(np.sign(errors), axis=0) == 0.0)
+    # decades: less than half a millimetre in a panel of five, so that curves would lie upon each other
+    alike = (spread < 0.05) & (np.ptp(np.sign(errors), axis=0) == 0.0)
     brief = 1 + 2 * int(0.5 * BRIEF * alike.size)
     alike = binary_closing(np.pad(alike, brief, mode="edge"), np.ones(brief, bool))[brief:-brief]
     alike &= np.isfinite(errors).all(axis=0)
@@ -255,7 +255,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
     lines, intervals = _lines(study), "intervals" in study.columns
     along, shown = column_of(cases, name), list(_panels(study, cases))
     symbols, low = terms_of(cases), _COVERAGE + _GAP if intervals else 0.0
-    panels = grid(len(symbols), len(shown), height=low + _ERRORS)
+    panels = grid(len(symbols), len(shown), height=low + 40.0)
     for row, symbol in enumerate(symbols):
         drawn = []
         for column, (title, _, those) in enumerate(shown):
