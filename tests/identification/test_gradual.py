@@ -84,7 +84,7 @@ def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
     t = step * np.arange(runs[0].size)
     par = Parameters(osc.m, osc.c, osc.k, osc.K_z, osc.F_k, 0.0, 0.0)
     whole = law_decay(
-        t, 0, x, 0.0, 2.0, par, np.zeros(len(ADDED)), len(DECAY_UNKNOWNS), 0.0, np.empty((0, 5))
+        t, 0, x, 0.0, 2.0, par, np.zeros(len(ADDED)), len(DECAY_UNKNOWNS), 0.0, 1.0, np.empty((0, 5))
     )
     assert whole[:, 0] == pytest.approx(runs[0], abs=1e-5 * x)
     expected = (runs[1] - runs[0]) / part

@@ -1,0 +1,227 @@
+"""What free decays may have beyond one friction force, viscous damping and a linear spring: candidates to be weighed.
+
+Each of `decay.FURTHER` is a candidate, with the size in which rigs have it (`select.PRIORS`). A score test says to
+first order what each explains of what a fit leaves, and `select.select` fits those of some weight. The noise is what
+each model leaves in the band of the fit: with ν degrees of freedom, an unknown of t standard errors raises the
+logarithm of the likelihood by ½ ν ln(1 + t²/ν).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from .decay import (
+    CORNER,
+    FALLS,
+    FRICTION_FORCE,
+    FURTHER,
+    SHARED,
+    DecayFit,
+    DecayProblem,
+    with_noise_of,
+)
+from .fit import OscillatorFit
+from .parameters import Parameters
+from .score import Departure, departures_from
+from .select import PRIORS, Candidate, Prior, Selection, bayes_factor, select
+
+NUMBERS = ("F_k", "c", "rho", "m")
+"""The numbers of an answer."""
+
+FALLING, SPEED, GRADUAL, FADING = "falling", "falling_speed", "gradual", "fading"
+FRICTIONS = "frictions"
+"""A friction force for each decay."""
+
+_SPEED_SHOWS = 4.0  # of χ²: two standard errors by which the speed over which friction falls shows
+
+
+def departures_of(fit: DecayFit) -> list[Departure]:
+    """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
+    be followed. A friction that falls has the speed of `FALLS` at which it explains most."""
+    free, top = {*fit.further, SPEED}, fit.problem.speed(fit.point)
+    found = {one.symbol: one for one in _tested(fit, [s for s in FURTHER if s not in free])}
+    for part in FALLS[1:] if FALLING in found else ():
+        at = fit.parameters.moved(falling_speed=part * top)
+        for one in _tested(replace(fit, parameters=at), [FALLING]):
+            found[FALLING] = max(found[FALLING], one, key=lambda of: of.size)
+    return [*found.values()]
+
+
+def _tested(fit: DecayFit, symbols: Iterable[str]) -> list[Departure]:
+    """Test what some of `FURTHER` would explain."""
+    problem, parameters = replace(fit.problem, slips=fit.slips), fit.parameters
+    whole = problem.columns(fit.point, added=True)
+    if not np.isfinite(whole).all():
+        return []
+    # of several friction forces, by their mean and by the others' distance from the first
+    first, *others = [i for i, name in enumerate(parameters.names) if name == FRICTION_FORCE]
+    first_force = whole[:, [first]]
+    whole[:, [first]] += whole[:, others].sum(axis=1, keepdims=True)
+    whole[:, others] -= first_force
+    moving = parameters.free & (np.abs(whole[:, :-1]).max(axis=0) > 0.0)
+    shared = [i for i, name in enumerate(parameters.names) if name in SHARED and i not in others]
+    own = [*filter(moving.__getitem__, shared)]
+    names = [parameters.names[i] for i in own]
+    own += [i for i in np.flatnonzero(moving).tolist() if i not in own]
+    added = {s: whole[:, parameters.places[s]] for s in symbols}
+    return departures_from(
+        whole[:, -1], whole[:, own], added, names, noise_known=False, freedom=fit.freedom
+    )
+
+
+def weighed(fit: DecayFit) -> Selection:
+    """Return the models of decays with their weights: the plain one, and those of each of `FURTHER`.
+
+    fit : where a search ended, with or without further coefficients.
+    """
+    plain = with_noise_of(_plain(fit) or fit)
+
+    def further(end: DecayFit, _: tuple[str, ...] = ()) -> list[Candidate]:
+        return candidates(end, fit)
+
+    return select(plain, further(plain), NUMBERS, further=further)
+
+
+def _plain(fit: DecayFit) -> DecayFit | None:
+    """Return the fit with one friction force and without further coefficients; None where no climb leads to one."""
+    none = dict.fromkeys(fit.further, 0.0)
+    start = fit.parameters.held(*none).moved(**none)
+    return _with_frictions(fit, start, own=False)
+
+
+def _with_frictions(fit: DecayFit, start: Parameters, *, own: bool) -> DecayFit | None:
+    """Return the fit with one friction force, or one for each decay."""
+    decays = (replace(one, friction=one.label if own else "") for one in fit.decays)
+    problem = replace(fit.problem, decays=tuple(decays))
+    values = {FRICTION_FORCE: fit.F_k, **start.by_key}
+    free = (one.name for one in start if one.free)
+    return problem.climb(problem.parameters(values, free))
+
+
+def candidates(fit: DecayFit, near: DecayFit) -> list[Candidate]:
+    """Return the further coefficients that a fit may lack.   near : a fit that may have some, to start from as well."""
+    sizes = sizes_in(fit)
+    found = []
+    for one in departures_of(fit):
+        prior = PRIORS[one.symbol]
+        prior = prior._replace(size=prior.size * sizes[one.symbol])
+        fitted = partial(_fitted, fit, one.symbol, near)
+        evidence = partial(_evidence, fit, one.symbol, prior)
+        found.append(Candidate(one.symbol, prior, fitted, _in_noise(one, fit), evidence))
+    if len(fit.decays) > 1 and fit.frictions.size == 1:
+        prior = PRIORS[FRICTIONS]
+        fitted = partial(_own_frictions, fit)
+        found.append(Candidate(FRICTIONS, prior, fitted, evidence=partial(_of_frictions, fit)))
+    return found
+
+
+def _own_frictions(fit: DecayFit) -> DecayFit | None:
+    """Return the fit with a friction force for each decay, in the noise that it leaves."""
+    end = _with_frictions(fit, fit.parameters, own=True)
+    return None if end is None else with_noise_of(end)
+
+
+def _of_frictions(plain: DecayFit, end: DecayFit) -> float:
+    """Return ln of the Bayes factor of a friction force for each decay: that of `select.bayes_factor`, of the n − 1
+    distances from the mean."""
+    n = end.frictions.size
+    contrasts = np.linalg.qr(np.column_stack([np.ones(n), np.eye(n)[:, 1:]]))[0][:, 1:]
+    forces = [one.key(FRICTION_FORCE) for one in end.decays]
+    C = contrasts.T @ OscillatorFit.covariance_of(end, *forces) @ contrasts
+    v = contrasts.T @ end.frictions
+    S = C + (PRIORS[FRICTIONS].size * plain.F_k) ** 2 * np.eye(n - 1)
+    ratio = np.linalg.slogdet(C)[1] - np.linalg.slogdet(S)[1]
+    return float(0.5 * (ratio + gain_of(end, plain) - v @ np.linalg.solve(S, v)))
+
+
+def sizes_in(fit: DecayFit) -> dict[str, float]:
+    """Return the unit in which `PRIORS` has the size of each coefficient, in the unit of that coefficient."""
+    omega = math.sqrt(fit.k / fit.m)
+    v = fit.problem.speed(fit.point)
+    X, F_k = v / omega, max(fit.F_k, fit.error("F_k"))
+    # a damper with the loss of a cycle at X
+    c = fit.c + 4.0 * F_k / (math.pi * v)
+    units = {"k_3": fit.k / X**2, "c_2": c / v, FALLING: F_k, CORNER: omega / (2.0 * math.pi)}
+    return units | {FADING: 1.0, GRADUAL: 1.0}
+
+
+def _in_noise(one: Departure, fit: DecayFit) -> Departure:
+    """Return a departure with the error with which it has the weight of a noise that is known, and a contact that
+    yields gradually with its stiffness after a reversal."""
+    slopes, nu = dict(one.slopes), fit.freedom
+    if one.symbol == GRADUAL and "rho" in slopes:
+        slopes["rho"] -= 0.5 * fit.value("rho")
+    gain = nu * math.log1p(one.size**2 / nu)
+    error = abs(one.value) / math.sqrt(gain) if gain > 0.0 else one.error
+    return replace(one, error=error, slopes=slopes)
+
+
+def _fitted(fit: DecayFit, name: str, near: DecayFit) -> DecayFit | None:
+    """Return the fit with one further coefficient, in the noise that it leaves; None where no climb leads to one. A
+    friction that falls does so over one of several speeds, or over that which explains most."""
+    problem = replace(fit.problem, slips=fit.slips)
+    starts = [fit.parameters.freed(name)]
+    if name == FALLING:
+        top = problem.speed(fit.point)
+        starts = [starts[0].moved(falling_speed=part * top) for part in FALLS]
+    if name in near.further:
+        held = [s for s in near.further if s not in (name, SPEED, *fit.further)]
+        starts.append(near.parameters.held(*held).moved(**dict.fromkeys(held, 0.0)))
+    best = _lowest(problem, starts)
+    if best is not None and name == FALLING and SPEED not in best.further:
+        with_speed = _lowest(problem, [best.parameters.freed(SPEED)])
+        if with_speed and with_speed.chi_square < best.chi_square - _SPEED_SHOWS:
+            best = with_speed
+    return None if best is None else with_noise_of(best)
+
+
+def _lowest(problem: DecayProblem, starts: list[Parameters]) -> DecayFit | None:
+    ends = filter(None, map(problem.climb, starts))
+    return min(ends, key=lambda one: one.chi_square, default=None)
+
+
+def _evidence(plain: DecayFit, name: str, prior: Prior, end: DecayFit) -> float:
+    """Return ln of the Bayes factor of a fit with one further coefficient."""
+    error = end.error(name)
+    if not error > 0.0:
+        return -math.inf
+    return bayes_factor(end.value(name), error, prior, gain_of(end, plain))[0]
+
+
+def gain_of(end: DecayFit, plain: DecayFit) -> float:
+    """Return 2 ln of the ratio of the likelihoods of two fits to the same samples, each in the noise that it leaves."""
+    pairs = zip(end.residuals(), plain.residuals(), strict=True)
+    logs = (
+        r.size * math.log(before.noise / after.noise) for (_, after, r), (_, before, _) in pairs
+    )
+    of_noise = 2.0 * math.fsum(logs) * plain.freedom / plain.problem.samples
+    return of_noise + plain.chi_square - end.chi_square
+
+
+def as_pendulum(fit: DecayFit) -> bool:
+    """Return whether decays are those of a pendulum rather than of a mass on a spring, linear or with k_3.   fit : of a
+    pendulum."""
+    problem, here = replace(fit.problem, pendulum=False), fit.parameters
+    spring = problem.climb(here)
+    if spring is None:
+        return True
+    softer = here.freed("k_3").moved(k_3=fit.value("k_3") - fit.k / 6.0)  # of k sin θ
+    size = PRIORS["k_3"].size * sizes_in(fit)["k_3"]
+    prior = PRIORS["k_3"]._replace(size=size)
+
+    def evidence(end: DecayFit) -> float:
+        return 0.5 * gain_of(end, spring)
+
+    rivals = [
+        Candidate("pendulum", PRIORS["pendulum"], lambda: fit, evidence=evidence),
+        Candidate(
+            *("k_3", prior, partial(problem.climb, softer)),
+            evidence=partial(_evidence, spring, "k_3", prior),
+        ),
+    ]
+    return select(spring, rivals, NUMBERS).best.name == "pendulum"
