@@ -1,0 +1,81 @@
+"""What the weights of models say: a sentence for each departure that is there or may matter, and a row for each.
+
+Only `DEPARTURES` are said here. Other candidates, such as another contact, are no imperfection of the records: their
+kind of records says what they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from typing import NamedTuple
+
+from ..findings.finding import Finding
+from ..fit.select import CLEAR, Selection
+from .answer import USELESS
+
+DEPARTURES = (
+    *("delay", "gain", "corner", "frame", "friction_level", "friction_speed"),
+    *("falling", "fading", "gradual", "k_3", "c_2"),
+)
+"""Departures that a sentence names: to add one is a name here, and its words in the table of findings."""
+
+_EITHER_WAY = ("delay", "gain")
+"""Departures whose sign is in the words."""
+
+
+class Weighed(NamedTuple):
+    """A departure that was weighed; "" is none.
+
+    weight : the probability that the records have it.   size, error : of it with its standard error, SI units; both
+    zero where it has none.
+    """
+
+    name: str
+    weight: float
+    size: float
+    error: float
+
+
+def departure(name: str, size: float, error: float) -> Finding:
+    """Return a departure with its size and standard error: a noun phrase of a sentence."""
+    shown = (abs(size) if name in _EITHER_WAY else size, error)
+    return Finding(name, {"size": shown, "less": size < 0.0, "unsure": not error < abs(size)})
+
+
+def weighed_of(selection: Selection) -> tuple[Weighed, ...]:
+    """Return what was weighed: departures that became clear one after the other, which all further models have, then
+    these models, the heaviest first."""
+    rows = [Weighed(name, 1.0, *_size(selection, name)) for name in selection.departures]
+    pairs = zip(selection.models, selection.weights, strict=True)
+    models = [Weighed(model.name, weight, *model.size) for model, weight in pairs]
+    return (*rows, *sorted(models, key=lambda one: -one.weight))
+
+
+def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) -> list[Finding]:
+    """Return a finding for each departure that is clearly there, or whose share moves a number by more than `USELESS`.
+
+    Numbers and intervals include it by its weight: a finding has no effect on them.   words : departures that say more
+    than their size, by name.
+    """
+    words, found = words or {}, []
+    for one in weighed_of(selection):
+        clear = one.weight > CLEAR
+        named = one.name in (*words, *DEPARTURES)
+        if named and (clear or _most_moved(selection, one.name) > USELESS):
+            what = words.get(one.name) or departure(one.name, one.size, one.error)
+            found.append(Finding("weighs", {"what": (what,), "weight": one.weight, "clear": clear}))
+    return found
+
+
+def _most_moved(selection: Selection, name: str) -> float:
+    """Return the largest relative change of a number with the share of a model; that of ρ as K_z = ρ^{−2}."""
+    moved = selection.moved_by(name).items()
+    return max((abs(by) * (2.0 if key == "rho" else 1.0) for key, by in moved), default=0.0)
+
+
+def _size(selection: Selection, name: str) -> tuple[float, float]:
+    """Return the size of a departure that all models have, with its standard error."""
+    with suppress(KeyError):  # another frame has none
+        return selection.fit.value(name), selection.fit.error(name) * selection.noise**0.5
+    return 0.0, 0.0
