@@ -20,22 +20,12 @@ from ..arguments import NUMBERS, number
 from ..balance import TERMS, Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
-from ..fit.decay import CORNER, DecayFit, offset_of, with_noise_of
-from ..fit.decay_departures import (
-    FADING,
-    FALLING,
-    FRICTIONS,
-    GRADUAL,
-    SPEED,
-    as_pendulum,
-    departures_of,
-    weighed,
-)
+from ..fit.decay import DecayFit, offset_of, with_noise_of
+from ..fit.decay_departures import as_pendulum, departures_of, weighed
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
-from ..fit.select import CLEAR, Selection
-from ..law.terms import KNOWN_TERMS
+from ..fit.select import Selection
 from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
@@ -72,6 +62,7 @@ from .rigs import require_rotation
 from .screen import implied, measured_lines
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
+from .weighing import said_of
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -323,7 +314,7 @@ def identify_decay_records(
             warnings.append(on_mass(fit, mass))
     selection = weighed(fit)
     fit = profiled(selection.fit)
-    warnings += _included(selection)
+    warnings += said_of(selection)
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
@@ -461,31 +452,6 @@ def _shortcomings_of(fit: DecayFit) -> list[Finding]:
     if sound(fit):
         return []
     return [Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED)]
-
-
-_WORDS = {
-    "k_3": "a spring that stiffens or softens with its deflection",
-    GRADUAL: "a contact that yields gradually",
-}
-
-
-def _included(selection: Selection) -> list[Finding]:
-    """Return a finding on each further coefficient that the decays show."""
-    fit = selection.fit
-    shown = [s for s in selection.names if selection.weight(s) > CLEAR and s != FRICTIONS]
-    return [_along(fit, s) for s in shown]
-
-
-def _along(fit: DecayFit, symbol: str) -> Finding:
-    """Return the finding on a coefficient that is fitted along."""
-    size = fit.value(symbol), fit.error(symbol)
-    if symbol == FALLING:
-        of = {"by": size, "speed": fit.value(SPEED), "loose": fit.F_k + size[0]}
-        return Finding("falls along", of)
-    if symbol in (CORNER, FADING):
-        return Finding({CORNER: "corner along", FADING: "fades along"}[symbol], {"size": size})
-    what = _WORDS.get(symbol) or KNOWN_TERMS[symbol].words
-    return Finding("included", {"what": what, "value": (symbol, *size)})
 
 
 def _excerpts_of(fit: DecayFit) -> list[Finding]:

@@ -353,8 +353,9 @@ def law_decay(
                 steps = max(steps, h / _OF_A_PENDULUM * math.hypot(swing, w[here + 1, 0]))
             h /= math.ceil(steps)
             # an event is beyond `high` or `low`; it is located by Newton's method kept inside the bracket
-            high = then.F_k / par.K_z - side * Z_m if sticks else 0.0
-            low = -then.F_k / par.K_z - side * Z_m if sticks else 0.0
+            other = then.F_k / par.K_z
+            high = (Z_m if side == 1.0 else other) - side * Z_m if sticks else 0.0
+            low = -(Z_m if side == -1.0 else other) - side * Z_m if sticks else 0.0
             # with which a contact that yields gradually does so up to the next slip
             mean = _with_friction(par, 0.5 * (now.F_k + then.F_k))
             before, after, part, up, crosses = 0.0, h, h, s < 0.0, False
@@ -401,9 +402,11 @@ def law_decay(
             if events > _MOST_EVENTS:
                 return out
             if sticks:
-                side = 1.0 if up else -1.0
-                s, age = side, min(slipped / slips, 1.0) - 0.5
-                now, Z_m = then, then.F_k / par.K_z
+                s = 1.0 if up else -1.0
+                if s != side:
+                    age = min(slipped / slips, 1.0) - 0.5
+                    now, Z_m = then, other
+                side = s
             else:
                 w[here + 1, 0], side = 0.0, s
                 s = contact_state(w[_HELD, 0] + w[here, 0], 0.0, side * Z_m, 0.0, now)
