@@ -28,7 +28,7 @@ from .decay import (
 from .fit import OscillatorFit
 from .parameters import Parameters
 from .score import Departure, departures_from
-from .select import PRIORS, Candidate, Prior, Selection, bayes_factor, select
+from .select import PRIORS, REFITTED, Candidate, Prior, Selection, bayes_factor, select
 
 NUMBERS = ("F_k", "c", "rho", "m")
 """The numbers of an answer."""
@@ -110,19 +110,31 @@ def candidates(fit: DecayFit, near: DecayFit) -> list[Candidate]:
     for one in departures_of(fit):
         prior = PRIORS[one.symbol]
         prior = prior._replace(size=prior.size * sizes[one.symbol])
+        tested: Departure | None = _in_noise(one, fit)
+        # what shows by itself is fitted, whatever explains more: to first order the far ones do not compare
+        if (
+            math.exp(min(bayes_factor(tested.value, tested.error, prior)[0], 9.0)) * prior.share
+            > REFITTED
+        ):
+            tested = None
         fitted = partial(_fitted, fit, one.symbol, near)
         evidence = partial(_evidence, fit, one.symbol, prior)
-        found.append(Candidate(one.symbol, prior, fitted, _in_noise(one, fit), evidence))
+        found.append(Candidate(one.symbol, prior, fitted, tested, evidence))
     if len(fit.decays) > 1 and fit.frictions.size == 1:
-        prior = PRIORS[FRICTIONS]
-        fitted = partial(_own_frictions, fit)
-        found.append(Candidate(FRICTIONS, prior, fitted, evidence=partial(_of_frictions, fit)))
+        fitted = partial(_own_frictions, fit, near)
+        evidence = partial(_of_frictions, fit)
+        found.append(Candidate(FRICTIONS, PRIORS[FRICTIONS], fitted, evidence=evidence))
     return found
 
 
-def _own_frictions(fit: DecayFit) -> DecayFit | None:
+def _own_frictions(fit: DecayFit, near: DecayFit) -> DecayFit | None:
     """Return the fit with a friction force for each decay, in the noise that it leaves."""
-    end = _with_frictions(fit, fit.parameters, own=True)
+    starts = [fit.parameters]
+    if near.frictions.size > 1:
+        held = [s for s in near.further if s not in fit.further]
+        starts.append(near.parameters.held(*held).moved(**dict.fromkeys(held, 0.0)))
+    ends = filter(None, (_with_frictions(fit, start, own=True) for start in starts))
+    end = min(ends, key=lambda one: one.chi_square, default=None)
     return None if end is None else with_noise_of(end)
 
 
