@@ -107,16 +107,12 @@ def candidates(fit: DecayFit, near: DecayFit) -> list[Candidate]:
     """Return the further coefficients that a fit may lack.   near : a fit that may have some, to start from as well."""
     sizes = sizes_in(fit)
     found = []
-    for one in departures_of(fit):
+    for one in (_in_noise(one, fit) for one in departures_of(fit)):
         prior = PRIORS[one.symbol]
         prior = prior._replace(size=prior.size * sizes[one.symbol])
-        tested: Departure | None = _in_noise(one, fit)
-        # what shows by itself is fitted, whatever explains more: to first order the far ones do not compare
-        if (
-            math.exp(min(bayes_factor(tested.value, tested.error, prior)[0], 9.0)) * prior.share
-            > REFITTED
-        ):
-            tested = None
+        # what shows by itself is fitted, whatever explains more: far from a model the first order does not compare
+        evidence_alone = bayes_factor(one.value, one.error, prior)[0]
+        tested = one if prior.share * math.exp(min(evidence_alone, 9.0)) < REFITTED else None
         fitted = partial(_fitted, fit, one.symbol, near)
         evidence = partial(_evidence, fit, one.symbol, prior)
         found.append(Candidate(one.symbol, prior, fitted, tested, evidence))

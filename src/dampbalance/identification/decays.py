@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
@@ -21,11 +21,10 @@ from ..balance import TERMS, Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..fit.decay import DecayFit, offset_of, with_noise_of
-from ..fit.decay_departures import as_pendulum, departures_of, weighed
+from ..fit.decay_departures import as_pendulum, weighed
 from ..fit.scattering_mean import ScatteringMean
-from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
-from ..fit.select import Selection
+from ..fit.select import REFITTED, Selection
 from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
@@ -62,7 +61,7 @@ from .rigs import require_rotation
 from .screen import implied, measured_lines
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
-from .weighing import said_of
+from .weighing import said_of, weighed_of
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -77,12 +76,11 @@ class DecayBasis:
     """What the answers to records of free decays rest on.
 
     fit : of one oscillator to all samples; the balance has its stick.   half_cycles : rows of the balance.
-    departures : what each further coefficient would explain.   damping : over the amplitude, from the swings.
+    damping : over the amplitude, from the swings.
     """
 
     fit: DecayFit
     half_cycles: DecayRows
-    departures: Sequence[Departure]
     damping: Sequence[SwingDamping] = ()
 
     kind: ClassVar[str] = "ring-down"
@@ -97,11 +95,10 @@ class DecayBasis:
     }
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return what each further coefficient would explain, the standard deviation of the friction forces, 0
-        where all decays share one, and the decays of each record."""
+        """Return the standard deviation of the friction forces, 0 where all decays share one, and the decays of each
+        record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
-            "departures": [asdict(one) for one in self.departures],
             "F_k_scatter_N": self.fit.friction.scatter,
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
@@ -342,7 +339,7 @@ def _pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]
             answers.append(identified(pendulum=pendulum))
         except ValueError as error:
             errors.append(error)
-        if answers and not pendulum and _linear(answers[0].basis):
+        if answers and not pendulum and _linear(answers[0]):
             break
     if not answers:
         raise errors[0]
@@ -354,10 +351,10 @@ def _pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]
     return replace(found, odd=(*found.odd, Finding("pendulum")))
 
 
-def _linear(basis: Any) -> bool:
+def _linear(found: Result[Any]) -> bool:
     """Return whether decays show no spring that is not linear."""
-    k_3 = [abs(one.size) for one in basis.departures if one.symbol == "k_3"]
-    return basis.fit.white and "k_3" not in basis.fit.further and max(k_3, default=0.0) ** 2 < SHOWS
+    of_k_3 = (one.weight for one in found.weighed if one.name == "k_3")
+    return found.basis.fit.white and max(of_k_3, default=0.0) < REFITTED
 
 
 def _unclear(record: Record, k: float, why: str) -> str:
@@ -435,11 +432,12 @@ def _solved(
         warnings = [*warnings, *contradiction(answer, fit, USELESS, wider)]
     decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
-        basis=DecayBasis(fit, rows, departures_of(fit)),
+        basis=DecayBasis(fit, rows),
         k=fit.k,
         sources=sources,
         estimates={BALANCE: answer},
         reference=reference,
+        weighed=weighed_of(selection),
         odd=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",

@@ -44,6 +44,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
         "no_answer": found.no_answer or None,
         "approaches": {name: answers[name] for name in found.estimates},
         "maximum_likelihood": answers.get(REFERENCE),
+        **({"weights": [one._asdict() for one in found.weighed]} if found.weighed else {}),
         **({} if found.laws is None else {"laws": _of_laws(found.laws, coordinate)}),
         **of_kind,
         "damping": {

@@ -22,6 +22,7 @@ from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, 
 from .law_comparison import LawComparison
 from .level import Column, Level, damping_ratio
 from .sensitivities import FAULTS, Fault, effects_of
+from .weighing import Weighed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -82,6 +83,7 @@ class Result(Generic[B]):
     rig : what the fit implies about the rig.
     check : what checks the answer; None where the other answers do.
     settings : how the answers were computed, for the document.
+    weighed : models that the numbers are means of, with their weights; none where there is one.
     laws : which damping laws the records support, where that was asked for.
     records : that they come from.
     options : as given, by the keys of a configuration.
@@ -108,6 +110,7 @@ class Result(Generic[B]):
     reference: Answer | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
     check: Sequence[Finding] | None = None
+    weighed: tuple[Weighed, ...] = ()
     laws: LawComparison | None = None
     records: tuple[Record, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
