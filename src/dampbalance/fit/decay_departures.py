@@ -22,7 +22,6 @@ from .decay import (
     FURTHER,
     SHARED,
     DecayFit,
-    DecayProblem,
     with_noise_of,
 )
 from .fit import OscillatorFit
@@ -44,6 +43,8 @@ def departures_of(fit: DecayFit) -> list[Departure]:
     """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
     be followed. A friction that falls has the speed of `FALLS` at which it explains most."""
     free, top = {*fit.further, SPEED}, fit.problem.speed(fit.point)
+    if any(one.of_cycles for one in fit.decays):  # of excerpts each has a friction force
+        free.add(FADING)
     found = {one.symbol: one for one in _tested(fit, [s for s in FURTHER if s not in free])}
     for part in FALLS[1:] if FALLING in found else ():
         at = fit.parameters.moved(falling_speed=part * top)
@@ -79,19 +80,14 @@ def weighed(fit: DecayFit) -> Selection:
 
     fit : where a search ended, with or without further coefficients.
     """
-    plain = with_noise_of(_plain(fit) or fit)
+    none = dict.fromkeys(fit.further, 0.0)
+    start = fit.parameters.held(*none).moved(**none)
+    plain = with_noise_of(_with_frictions(fit, start, own=False) or fit)
 
     def further(end: DecayFit, _: tuple[str, ...] = ()) -> list[Candidate]:
         return candidates(end, fit)
 
     return select(plain, further(plain), NUMBERS, further=further)
-
-
-def _plain(fit: DecayFit) -> DecayFit | None:
-    """Return the fit with one friction force and without further coefficients; None where no climb leads to one."""
-    none = dict.fromkeys(fit.further, 0.0)
-    start = fit.parameters.held(*none).moved(**none)
-    return _with_frictions(fit, start, own=False)
 
 
 def _with_frictions(fit: DecayFit, start: Parameters, *, own: bool) -> DecayFit | None:
@@ -108,13 +104,15 @@ def candidates(fit: DecayFit, near: DecayFit) -> list[Candidate]:
     sizes = sizes_in(fit)
     found = []
     for one in (_in_noise(one, fit) for one in departures_of(fit)):
-        prior = PRIORS[one.symbol]
+        prior = PRIORS["gradual in decays" if one.symbol == GRADUAL else one.symbol]
         prior = prior._replace(size=prior.size * sizes[one.symbol])
         # what shows by itself is fitted, whatever explains more: far from a model the first order does not compare
-        evidence_alone = bayes_factor(one.value, one.error, prior)[0]
-        tested = one if prior.share * math.exp(min(evidence_alone, 9.0)) < REFITTED else None
-        fitted = partial(_fitted, fit, one.symbol, near)
+        shows = bayes_factor(one.value, one.error, prior)[0] > -math.log(REFITTED)
+        # of what the decays do not show a fit would know less than is known beforehand
+        hidden = one.error > prior.size
+        fitted = (lambda: None) if hidden else partial(_fitted, fit, one.symbol, near)
         evidence = partial(_evidence, fit, one.symbol, prior)
+        tested = None if shows and not hidden else one
         found.append(Candidate(one.symbol, prior, fitted, tested, evidence))
     if len(fit.decays) > 1 and fit.frictions.size == 1:
         fitted = partial(_own_frictions, fit, near)
@@ -125,12 +123,20 @@ def candidates(fit: DecayFit, near: DecayFit) -> list[Candidate]:
 
 def _own_frictions(fit: DecayFit, near: DecayFit) -> DecayFit | None:
     """Return the fit with a friction force for each decay, in the noise that it leaves."""
-    starts = [fit.parameters]
-    if near.frictions.size > 1:
-        held = [s for s in near.further if s not in fit.further]
-        starts.append(near.parameters.held(*held).moved(**dict.fromkeys(held, 0.0)))
-    ends = filter(None, (_with_frictions(fit, start, own=True) for start in starts))
-    end = min(ends, key=lambda one: one.chi_square, default=None)
+    starts = [fit.parameters, *([_without(near, fit)] if near.frictions.size > 1 else [])]
+    return _lowest(_with_frictions(fit, start, own=True) for start in starts)
+
+
+def _without(near: DecayFit, fit: DecayFit, *but: str) -> Parameters:
+    """Return the unknowns of a fit without the further coefficients that another one does not have.   but : that stay
+    all the same."""
+    none = dict.fromkeys([s for s in near.further if s not in (*fit.further, *but)], 0.0)
+    return near.parameters.held(*none).moved(**none)
+
+
+def _lowest(ends: Iterable[DecayFit | None]) -> DecayFit | None:
+    """Return the closest fit, in the noise that it leaves; None where there is none."""
+    end = min(filter(None, ends), key=lambda one: one.chi_square, default=None)
     return None if end is None else with_noise_of(end)
 
 
@@ -178,19 +184,14 @@ def _fitted(fit: DecayFit, name: str, near: DecayFit) -> DecayFit | None:
         top = problem.speed(fit.point)
         starts = [starts[0].moved(falling_speed=part * top) for part in FALLS]
     if name in near.further:
-        held = [s for s in near.further if s not in (name, SPEED, *fit.further)]
-        starts.append(near.parameters.held(*held).moved(**dict.fromkeys(held, 0.0)))
-    best = _lowest(problem, starts)
-    if best is not None and name == FALLING and SPEED not in best.further:
-        with_speed = _lowest(problem, [best.parameters.freed(SPEED)])
+        starts.append(_without(near, fit, name, SPEED))
+    ends = [end for start in starts if (end := problem.climb(start)) is not None]
+    if name == FALLING and ends:
+        best = min(ends, key=lambda one: one.chi_square)
+        with_speed = problem.climb(best.parameters.freed(SPEED))
         if with_speed and with_speed.chi_square < best.chi_square - _SPEED_SHOWS:
-            best = with_speed
-    return None if best is None else with_noise_of(best)
-
-
-def _lowest(problem: DecayProblem, starts: list[Parameters]) -> DecayFit | None:
-    ends = filter(None, map(problem.climb, starts))
-    return min(ends, key=lambda one: one.chi_square, default=None)
+            ends.append(with_speed)
+    return _lowest(ends)
 
 
 def _evidence(plain: DecayFit, name: str, prior: Prior, end: DecayFit) -> float:
@@ -221,15 +222,12 @@ def as_pendulum(fit: DecayFit) -> bool:
     softer = here.freed("k_3").moved(k_3=fit.value("k_3") - fit.k / 6.0)  # of k sin θ
     size = PRIORS["k_3"].size * sizes_in(fit)["k_3"]
     prior = PRIORS["k_3"]._replace(size=size)
-
-    def evidence(end: DecayFit) -> float:
-        return 0.5 * gain_of(end, spring)
-
+    of_pendulum, of_k_3 = (
+        lambda end: 0.5 * gain_of(end, spring),
+        partial(_evidence, spring, "k_3", prior),
+    )
     rivals = [
-        Candidate("pendulum", PRIORS["pendulum"], lambda: fit, evidence=evidence),
-        Candidate(
-            *("k_3", prior, partial(problem.climb, softer)),
-            evidence=partial(_evidence, spring, "k_3", prior),
-        ),
+        Candidate("pendulum", PRIORS["pendulum"], lambda: fit, evidence=of_pendulum),
+        Candidate("k_3", prior, partial(problem.climb, softer), evidence=of_k_3),
     ]
     return select(spring, rivals, NUMBERS).best.name == "pendulum"

@@ -486,14 +486,13 @@ def fit_all(fits: Sequence[DecayFit]) -> tuple[DecayFit | None, list[Decay]]:
 
 
 def _of_all(fits: Sequence[DecayFit]) -> DecayFit | None:
-    """Return the fit of all decays, with a friction force for each where the likelihood asks for it."""
+    """Return the fit of all decays, with a friction force for each where they do not share one."""
     if len(fits) == 1:
         return fits[0]
     whole = _fitted_together(fits, own_frictions=False)
     if whole is None or _same(whole, fits):
         return whole
-    several = _fitted_together(fits, own_frictions=True)
-    return whole if several is None or _same(whole, [several]) else several
+    return _fitted_together(fits, own_frictions=True) or whole
 
 
 def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:

@@ -44,6 +44,7 @@ from .answer import (
     BALANCE,
     UNKNOWN,
     USELESS,
+    Answer,
     Interval,
     ParameterEstimate,
     answer_of_fit,
@@ -60,7 +61,7 @@ from .result import Picture, Result
 from .rigs import require_rotation
 from .screen import implied, measured_lines
 from .sensitivities import Fault
-from .stated import with_stated_uncertainties
+from .stated import widened, with_stated_uncertainties
 from .weighing import said_of, weighed_of
 
 if TYPE_CHECKING:
@@ -435,7 +436,7 @@ def _solved(
         basis=DecayBasis(fit, rows),
         k=fit.k,
         sources=sources,
-        estimates={BALANCE: answer},
+        estimates={BALANCE: _among_models(answer, selection)},
         reference=reference,
         weighed=weighed_of(selection),
         odd=(*warnings, *clipped_signals.values()),
@@ -443,6 +444,16 @@ def _solved(
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
         rig=[*rig, *_excerpts_of(fit), *_scatter_of(fit)],
     )
+
+
+def _among_models(answer: Answer, selection: Selection) -> Answer:
+    """Return the answer of the balance, whose rows are those of the plain model, with its intervals widened by what
+    other models change, each by its weight."""
+    plain = np.array([selection.plain.value(key) for key in selection.keys])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = np.array([one.values for one in selection.models]) / plain - 1.0
+    changes = np.sqrt(np.average(off**2, 0, selection.weights))
+    return widened(answer, {"models": dict(zip(selection.keys, changes.tolist(), strict=True))})
 
 
 def _shortcomings_of(fit: DecayFit) -> list[Finding]:
