@@ -9,9 +9,10 @@ import pytest
 from scipy.signal import butter, sosfilt
 
 from blind.decays import departing, falling, record
+from blind.field import Rig, follow
 from dampbalance import identify
-from dampbalance.fit.decay import departures_of
-from dampbalance.identification.answer import DOUBTFUL, USABLE
+from dampbalance.fit.decay_departures import departures_of
+from dampbalance.identification.answer import DOUBTFUL, USABLE, USELESS
 from dampbalance.identification.decays import identify_decay_records
 from dampbalance.identification.law_comparison import fit_law
 from dampbalance.records.channel import Channel
@@ -35,14 +36,23 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
         assert error == pytest.approx(result.basis.fit.error(symbol), rel=0.1)
 
 
-def test_decays_under_another_law_are_doubtful_and_its_coefficients_found():
+def holds(result, decay):
+    """Whether the intervals of F_k and c hold the truth, by symbol."""
+    ends = {s: result.reference.intervals[s] for s in ("F_k", "c")}
+    return {s: low <= getattr(decay, s) <= high for s, (low, high) in ends.items()}
+
+
+def named(result):
+    """The departures that a sentence names."""
+    said = [one for one in result.findings if one.code == "weighs"]
+    return {one.numbers["what"][0].code for one in said}
+
+
+def test_damping_that_grows_with_the_speed_is_found_and_the_numbers_are_right():
     decay = departing(SOUND, "quadratic", 2, 0.4)
     result = found_in(decay, laws=True)
-    for of_law in ("F_k", "c"):
-        verdict = result.verdicts[of_law]
-        assert verdict.verdict == DOUBTFUL
-        (why,) = verdict.findings
-        assert (why.code, why.numbers["value"][0]) == ("other law", "c_2")
+    assert named(result) == {"c_2"}
+    assert holds(result, decay) == {"F_k": True, "c": True}
     assert result.laws.chosen == ("F_k", "c", "c_2")
     truth = {"F_k": decay.F_k, "c": decay.c, "c_2": decay.departure.quadratic}
     for name, (value, error) in result.laws.laws[0].coefficients.items():
@@ -52,10 +62,8 @@ def test_decays_under_another_law_are_doubtful_and_its_coefficients_found():
 def test_what_no_law_of_damping_explains_is_named_and_fitted_along():
     decay = departing(SOUND, "cubic", 3, 0.1)
     found = found_in(decay)
-    assert [one.numbers["value"][0] for one in found.findings if one.code == "included"] == ["k_3"]
-    for name in ("F_k", "c"):
-        off = found.reference.values[name] - getattr(decay, name)
-        assert abs(off) < FAR * found.reference.standard_errors[name]
+    assert named(found) == {"k_3"}
+    assert holds(found, decay) == {"F_k": True, "c": True}
 
 
 def test_decays_without_friction_support_a_law_without():
@@ -65,21 +73,47 @@ def test_decays_without_friction_support_a_law_without():
     assert result.laws.laws[0].coefficients["c"][0] == pytest.approx(decay.c, rel=0.02)
 
 
-def test_what_the_decays_hint_at_is_in_the_interval_and_raises_no_doubt():
-    """Some of 12 decays in noise of 5 % under damping with a quadratic share of 20 % hint at it and none shows it."""
-    hinted = 0
+def test_what_noise_hides_is_in_the_intervals():
+    """12 decays in noise of 3 % under damping with a quadratic share of 20 %, which none of them shows for certain."""
+    held = {"F_k": 0, "c": 0}
     for i in range(12):
         decay = departing(replace(SOUND, index=i, noise=0.03), "quadratic", 2, 0.2)
-        result = found_in(decay)
-        said = [one for one in result.rig if one.code == "hints of another law"]
-        if not said:
-            continue
-        hinted += 1
-        p = result.reference.parameters["c"]
-        (stated,) = (abs(by) for symbol, _, by in said[0].numbers["changes"] if symbol == "c")
-        assert p.value - p.interval.low > stated
-        assert p.interval.high - p.value > stated
-    assert hinted >= 1
+        for symbol, inside in holds(found_in(decay), decay).items():
+            held[symbol] += inside
+    # of twelve with 95 % each, three or more miss in one of fifty trials
+    assert min(held.values()) >= 10
+
+
+MOVES = 1.4
+"""Time for which `SOUND` moves after its release, s."""
+
+
+def faded(share, heights):
+    """Return records of `SOUND` from some heights, of an integrator in fixed steps: friction falls by a share of F_k
+    within the longest of them, about F_k, and as fast in all."""
+    random, records = np.random.default_rng(3), []
+    # the middle of a slow sine is straight to a hundredth
+    slow = Rig(SOUND.m, SOUND.c, SOUND.k, varying=share / 0.4, rate=-0.4 / MOVES, phase=0.2)
+    contact = np.array([(SOUND.K_z, SOUND.F_k, 0.0)])
+    step, finer = 1.0 / SOUND.rate_hz, 40
+    for height in heights:
+        x = height * SOUND.starts[0][1]
+        state, force = np.array([x, 0.0, 0.0, 0.0]), np.array([(1.0 + 0.5 * share) * SOUND.F_k])
+        out = np.empty((3, round(2.0 * MOVES / step)))
+        follow(slow, contact, state, force, 0.0, step / finer, finer, out)
+        noisy = out[0] + 0.001 * x * random.standard_normal(out.shape[1])
+        channel = Channel("displacement", step * np.arange(noisy.size), noisy)
+        records.append(Record.of(f"from {height}", [channel]))
+    return records
+
+
+@pytest.mark.parametrize("heights", [(1.0,), (1.0, 0.6, 0.35)], ids=["one", "three"])
+def test_friction_that_fades_is_found_and_not_taken_for_damping(heights):
+    found = identify_decay_records(faded(0.2, heights), SOUND.k)
+    assert named(found) == {"fading"}
+    for symbol in ("F_k", "c"):
+        assert found.reference.values[symbol] == pytest.approx(getattr(SOUND, symbol), rel=USELESS)
+        assert found.verdicts[symbol].verdict == USABLE
 
 
 def test_friction_that_falls_with_speed_is_no_silent_error_where_it_shows():
@@ -102,7 +136,7 @@ def test_friction_that_falls_with_the_speed_is_named_and_fitted_along():
     """Of another integrator, 25 % higher at rest: F_k is the force at high speed, and F_k + p that at rest."""
     decay = falling(SOUND, 0.25, 0.15)
     found = found_in(decay)
-    assert "falls along" in {one.code for one in found.findings}
+    assert named(found) == {"falling"}
     for symbol in ("F_k", "c"):
         assert found.verdicts[symbol].verdict == USABLE
         assert found.reference.values[symbol] == pytest.approx(getattr(decay, symbol), rel=0.1)
@@ -121,19 +155,12 @@ def test_an_ac_coupling_of_a_decay_is_named_and_fitted_along():
     found = identify_decay_records(
         [Record.of("coupled", [Channel(channel.quantity, channel.t, values)])], SOUND.k
     )
-    assert "corner along" in {one.code for one in found.findings}
+    assert named(found) == {"corner"}
     assert found.basis.fit.value("corner") == pytest.approx(corner, rel=0.05)
     for symbol in ("F_k", "c"):
         assert found.verdicts[symbol].verdict == USABLE
         off = found.reference.values[symbol] - getattr(SOUND, symbol)
         assert abs(off) < FAR * found.reference.standard_errors[symbol]
-
-
-def test_the_verdict_on_a_stiffness_agrees_with_what_is_said_of_the_contact():
-    """K_z is conditional on a contact that yields at once, and the sentence says so: no doubt follows from it."""
-    found = found_in(replace(SOUND, noise=0.01))
-    assert "contact taken as sudden" in {one.code for one in found.rig}
-    assert found.reference.verdicts["K_z"].verdict == USABLE
 
 
 def test_laws_of_decays_can_be_asked_of_identify():
@@ -143,7 +170,7 @@ def test_laws_of_decays_can_be_asked_of_identify():
     found = identify(data, stiffness=SOUND.k, laws=True)
     assert found.options["laws"]
     assert found.document()["laws"]["chosen"] == ["F_k", "c"]
-    assert {one["symbol"] for one in found.document()["departures"]} >= {"c_2", "k_3"}
+    assert {one["name"] for one in found.document()["weights"]} >= {"", "c_2", "k_3"}
 
 
 def test_in_noise_the_coefficients_that_are_missing_have_the_errors_that_they_state():

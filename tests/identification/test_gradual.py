@@ -84,7 +84,17 @@ def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
     t = step * np.arange(runs[0].size)
     par = Parameters(osc.m, osc.c, osc.k, osc.K_z, osc.F_k, 0.0, 0.0)
     whole = law_decay(
-        t, 0, x, 0.0, 2.0, par, np.zeros(len(ADDED)), len(DECAY_UNKNOWNS), 0.0, np.empty((0, 5))
+        t,
+        0,
+        x,
+        0.0,
+        2.0,
+        par,
+        np.zeros(len(ADDED)),
+        len(DECAY_UNKNOWNS),
+        0.0,
+        1.0,
+        np.empty((0, 5)),
     )
     assert whole[:, 0] == pytest.approx(runs[0], abs=1e-5 * x)
     expected = (runs[1] - runs[0]) / part
@@ -162,7 +172,7 @@ def test_where_it_cannot_show_the_size_of_what_it_does_is_stated():
         assert found.verdicts["F_k"].verdict == found.verdicts["c"].verdict == "usable"
 
 
-def test_free_decays_state_it_too():
+def test_of_free_decays_it_is_in_the_interval():
     osc = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=208_000.0, F_k=0.6)
     truth = Decay(0, osc.m, osc.c, osc.k, osc.K_z, osc.F_k, *[()] * 4, 0.0, (), 0.0, 0.0)
     contact = CONTACTS["Dahl"](osc.K_z, osc.F_k)
@@ -170,6 +180,6 @@ def test_free_decays_state_it_too():
     noisy = x + 1e-4 * np.random.default_rng(4).standard_normal(x.size)
     record = Record.of("decay", [Channel("displacement", 0.002 * np.arange(x.size), noisy)])
     found = identify_decay_records([record], osc.k)
-    said = {one.code for one in found.rig}
-    assert "contact taken as sudden" in said or found.verdicts["K_z"].verdict != "usable"
+    low, high = found.intervals["K_z"]
+    assert low <= osc.K_z <= high or found.verdicts["K_z"].verdict != "usable"
     assert found.answer.values["F_k"] == pytest.approx(osc.F_k, rel=0.02)

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -41,7 +42,6 @@ from .fit import OscillatorFit
 from .multistart import Trail, climb_on
 from .parameters import Parameter, Parameters
 from .scattering_mean import ScatteringMean
-from .score import Departure, departures_from
 
 CORNER = "corner"
 """Corner of an AC coupling of the channels, a high-pass of first order iω/(iω + 2πf_c), Hz; 0 for none."""
@@ -56,9 +56,10 @@ FALLS = (0.1, 0.03, 0.3)
 """Speeds over which friction falls, relative to the largest one, that a search tries: bearings and slides are said to
 fall within the slowest tenth. Between two of them the motion hardly differs."""
 
-_FRICTION, _LEVEL = "F_k", "offset"
+FRICTION_FORCE = "F_k"
+_LEVEL = "offset"
 _START = [DECAY_UNKNOWNS.index(name) for name in STATE[:2]]
-_SHARED = (*OSCILLATOR_UNKNOWNS, *FURTHER)
+SHARED = (*OSCILLATOR_UNKNOWNS, *FURTHER)
 _ANY = (-math.inf, math.inf)
 _OF_A_DECAY = (*DECAY_UNKNOWNS, CORNER)  # in the order of its motion
 _LOOSEST, _STIFFEST = 1e-4, 1e5  # of K_z/k: for none, and for a rigid one to 1e-5 of F_k/k
@@ -110,7 +111,7 @@ class Decay:
 
     def group(self, name: str) -> str:
         """Return the group that has an unknown of this decay."""
-        return self.label if name in STATE else self.friction if name == _FRICTION else ""
+        return self.label if name in STATE else self.friction if name == FRICTION_FORCE else ""
 
     def state(self, x: float, v: float, w: float) -> dict[str, float]:
         """Return a start state by key."""
@@ -157,19 +158,20 @@ class DecayProblem:
     """The samples of decays of one oscillator.
 
     k : N/m.   band : in which the decays are fitted; None for all of it.   pendulum : whether the restoring torque is
-    k sin x.
+    k sin x.   slips : in which friction that fades does so.
     """
 
     decays: tuple[Decay, ...]
     k: float
     band: Band | None = None
     pendulum: bool = False
+    slips: float = 1.0
 
     @cached_property
     def _unknowns(self) -> Mapping[str, tuple[str, str]]:
         """Name and group of each unknown by its key, in their order."""
         channels = (channel_of(signal) for one in self.decays for signal in one.signals)
-        pairs = [(name, one.group(name)) for name in _SHARED for one in self.decays]
+        pairs = [(name, one.group(name)) for name in SHARED for one in self.decays]
         pairs += [(_LEVEL, channel) for channel in channels]
         pairs += [(name, one.label) for one in self.decays for name in STATE]
         return {Parameter(name, 0.0, group=group).key: (name, group) for name, group in pairs}
@@ -223,22 +225,23 @@ class DecayProblem:
         least = _UNNOTICED * k * x
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
         most = {"c_2": critical / v, "k_3": k / x**2, "falling": k * x, "falling_speed": v}
-        most |= {"gradual": 1.0, CORNER: omega / (2.0 * math.pi)}
+        most |= {"gradual": 1.0, "fading": 1.0, CORNER: omega / (2.0 * math.pi)}
         ends = {name: (0.0, top, _SMALL * top) for name, top in most.items()} | {
             "c": (0.0, _DAMPED * critical, _SMALL * critical),
             "rho": (self.rigid, 1.0 / math.sqrt(_LOOSEST * k), 1e-3 * own["rho"]),
             "m": (max(m / _MASS_RANGE, min(light, m)), m * _MASS_RANGE, m),
             "k_3": (-most["k_3"], most["k_3"], _SMALL * most["k_3"]),
             "falling_speed": (_SLOWEST * v, v, _SMALL * v),
+            "fading": (-1.0, 1.0, _SMALL),
             "w": (0.0, 2.0, 1.0),
         }
         for one, size in zip(self.decays, sizes, strict=True):
-            friction = one.key(_FRICTION)
+            friction = one.key(FRICTION_FORCE)
             ends[friction] = 1e-3 * least, math.inf, max(own[friction], least)
             ends[one.key("x")], ends[one.key("v")] = (*_ANY, size), (*_ANY, size * omega)
             ends |= {offset_of(signal): (*_ANY, signal.noise) for signal in one.signals}
-        moving = {name for name in free if name in _SHARED}
-        moving |= {"x", "v", *["w"] * bool({_FRICTION, "rho"} & moving)}
+        moving = {name for name in free if name in SHARED}
+        moving |= {"x", "v", *["w"] * bool({FRICTION_FORCE, "rho"} & moving)}
         moving |= {_LEVEL} if self.band is None else set()
         rows = []
         for key, (name, group) in unknowns.items():
@@ -267,7 +270,7 @@ class DecayProblem:
         F_k, c, rho, m, x, v, w = of[:LINEAR_UNKNOWNS].tolist()
         par = Numbers(m, c, self.k, rho**-2, F_k, 0.0, 0.0)
         added, gravity = of[LINEAR_UNKNOWNS:-1], float(self.pendulum)
-        return law_decay(times, order, x, v, w, par, added, count, gravity, phases)
+        return law_decay(times, order, x, v, w, par, added, count, gravity, self.slips, phases)
 
     def phases(self, values: Array, i: int, until: float) -> Array:
         """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to a time, s.
@@ -396,7 +399,7 @@ class DecayFit(OscillatorFit):
 
     @property
     def _forces(self) -> Integers:
-        return np.flatnonzero([name == _FRICTION for name in self.parameters.names])
+        return np.flatnonzero([name == FRICTION_FORCE for name in self.parameters.names])
 
     @property
     def frictions(self) -> Array:
@@ -410,25 +413,39 @@ class DecayFit(OscillatorFit):
         return ScatteringMean.of(self.frictions, covariance)
 
     def value(self, key: str) -> float:
-        """Return a parameter, in its unit; of several friction forces their mean."""
-        return self.friction.value if key == _FRICTION else super().value(key)
+        """Return a parameter, in its unit; of several friction forces their mean, and of a contact that yields
+        gradually the ρ = [K_z (1 + g)]^{−1/2} of its stiffness after a reversal."""
+        if key == FRICTION_FORCE:
+            return self.friction.value
+        return super().value(key) / (self._stiffer**0.5 if key == "rho" else 1.0)
+
+    @property
+    def _stiffer(self) -> float:
+        return 1.0 + self.parameters["gradual"].value
+
+    @property
+    def at_once(self) -> float:
+        """K_z of the contact that yields where this one does, and at once, N/m."""
+        return self.K_z / self._stiffer
 
     def covariance_of(self, *keys: str) -> Array:
         """Return the covariance of some parameters; that of F_k includes the scatter of several friction forces."""
-        if self.frictions.size == 1:
-            return super().covariance_of(*keys)
-        means = np.zeros((len(keys), self.point.size))
-        for mean, key in zip(means, keys, strict=True):
-            of = self._forces if key == _FRICTION else [self.parameters.places[key]]
-            mean[of] = 1.0 / len(of)
-        covariance = means @ self.covariance @ means.T
-        own = [key == _FRICTION for key in keys]
-        covariance[np.ix_(own, own)] = self.friction.error**2
+        slopes = np.zeros((len(keys), self.point.size))
+        for slope, key in zip(slopes, keys, strict=True):
+            of = self._forces if key == FRICTION_FORCE else [self.parameters.places[key]]
+            slope[of] = 1.0 / len(of)
+            if key == "rho":
+                slope /= self._stiffer**0.5
+                slope[self.parameters.places["gradual"]] = -0.5 * self.value(key) / self._stiffer
+        covariance = slopes @ self.covariance @ slopes.T
+        if self.frictions.size > 1:
+            own = [key == FRICTION_FORCE for key in keys]
+            covariance[np.ix_(own, own)] = self.friction.error**2
         return covariance
 
     def interval(self, key: str) -> tuple[float, float]:
         """Return the 95 % interval of a parameter, in its unit, over all minima that are within its χ²."""
-        if key == _FRICTION and self.frictions.size > 1:
+        if key == FRICTION_FORCE and self.frictions.size > 1:
             return self.friction.interval
         low, high = super().interval(key)
         for one in self.minima:
@@ -439,6 +456,15 @@ class DecayFit(OscillatorFit):
             low, high = min(low, one.value(key) - reach), max(high, one.value(key) + reach)
         as_rigid = key == "rho" and low * math.sqrt(_AS_RIGID * self.k) < 1.0
         return (0.0 if as_rigid else low), high
+
+    @cached_property
+    def slips(self) -> float:
+        """Number of slips of the longest motion."""
+        many = 1.0
+        with suppress(ValueError):  # the contact rattles on
+            for i in range(len(self.decays)):
+                many = max(many, float(np.count_nonzero(self.phases(i)[:, PHASE_S])))
+        return many
 
     def phases(self, i: int, end: float | None = None) -> Array:
         """Return rows (t, s, x, ẋ, z) of the motion of decay i, t from its start, to its end or another one, s."""
@@ -527,28 +553,6 @@ def with_noise_of(fit: DecayFit) -> DecayFit:
     ends = filter(None, map(problem.climb, starts))
     best, *others = sorted(ends, key=lambda one: one.chi_square) or [fit]
     return replace(best, minima=tuple(others))
-
-
-def departures_of(fit: DecayFit) -> list[Departure]:
-    """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
-    be followed."""
-    whole, parameters = fit.problem.columns(fit.point, added=True), fit.parameters
-    if not np.isfinite(whole).all():
-        return []
-    # of several friction forces, by their mean and by the others' distance from the first
-    first, *others = [i for i, name in enumerate(parameters.names) if name == _FRICTION]
-    first_force = whole[:, [first]]
-    whole[:, [first]] += whole[:, others].sum(axis=1, keepdims=True)
-    whole[:, others] -= first_force
-    moving = parameters.free & (np.abs(whole[:, :-1]).max(axis=0) > 0.0)
-    shared = [i for i, name in enumerate(parameters.names) if name in _SHARED and i not in others]
-    own = [*filter(moving.__getitem__, shared)]
-    names = [parameters.names[i] for i in own]
-    own += [i for i in np.flatnonzero(moving).tolist() if i not in own]
-    added = {s: whole[:, parameters.places[s]] for s in FURTHER if s not in fit.further}
-    return departures_from(
-        whole[:, -1], whole[:, own], added, names, noise_known=False, freedom=fit.freedom
-    )
 
 
 def contact_chord(rho: float, k: float) -> float:

@@ -29,7 +29,7 @@ from ..motion.events import PHASE_S, PHASE_X
 from ..motion.unknowns import OSCILLATOR_UNKNOWNS
 from ..signals.band import Band
 from ..signals.bursts import Burst, Signal, bursts_of, sharpest
-from ..signals.thresholds import NEVER, P_ONE_OSCILLATOR, P_STEP_BACK, SIGNIFICANT
+from ..signals.thresholds import NEVER, P_OF_THE_MODEL, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
 from .climb import MOST_EVALUATIONS, Climb
 from .decay import FURTHER, STATE, Decay, DecayFit, DecayProblem, offset_of, with_noise_of
@@ -60,7 +60,6 @@ _MOST_HALF_CYCLES = 4  # half cycles that slip, of a burst that may be the work 
 _ROUGH = 1e-2  # of half of χ²: where a climb on the way ends
 _NEAR_MINIMUM = np.arange(-8, 9) * 0.5  # standard errors of ρ about a minimum
 _IN_INTERVAL = NORMAL_95**2  # of χ²
-_K3_GAIN = 15.0  # of χ²: what k_3 must explain, 4 standard errors
 
 
 def separate_fits(
@@ -139,8 +138,7 @@ def _of_burst(
         unfiltered = replace(fit.problem, band=None)
         wide = _whitened(unfiltered.climb(unfiltered.posed(fit.parameters)))
     if wide is not None:
-        longer = with_noise_of(_from_earlier(with_noise_of(wide), burst.earliest))
-        fit = without_spring(longer)
+        fit = with_noise_of(_from_earlier(with_noise_of(wide), burst.earliest))
     if fit.problem.samples < _FEWEST_SAMPLES:
         return None
     # else the swing was not that of a free motion
@@ -402,7 +400,7 @@ def _band_from_earliest(
     thin = [one for one in fits if one.misfit <= _SETTLED * least][-1]
     problem = replace(thin.problem, decays=(whole.cut(thin.decays[0].start, end),))
     best = _best(_until_rest(problem, thin), [thin.parameters])
-    return None if best is None else without_spring(with_noise_of(best))
+    return None if best is None else with_noise_of(best)
 
 
 def in_the_band(fit: DecayFit, *starts: Parameters) -> DecayFit | None:
@@ -412,7 +410,7 @@ def in_the_band(fit: DecayFit, *starts: Parameters) -> DecayFit | None:
     problem = replace(fit.problem, band=Band.about(1.0 / one.period, dt))
     from_all = (problem.posed(start) for start in (fit.parameters, *starts))
     best = _best(problem, [start.freed("k_3") for start in from_all])
-    return None if best is None else without_spring(with_noise_of(best))
+    return None if best is None else with_noise_of(best)
 
 
 def profiled(fit: DecayFit) -> DecayFit:
@@ -424,7 +422,7 @@ def profiled(fit: DecayFit) -> DecayFit:
     error = fit.error("rho")
     if not error > 0.0:
         return fit
-    near = fit.value("rho") + error * _NEAR_MINIMUM
+    near = here["rho"].value + error * _NEAR_MINIMUM
     values = np.append(problem.scan(here), near[near > problem.rigid])
     ends = likely(profile(thin, here, "rho", values), problem, thin)
     # on all samples each is close to its neighbour, closer than to its place on a few of them
@@ -453,16 +451,6 @@ def _whitened(fit: DecayFit | None) -> DecayFit | None:
     """Return the fit, or else that with one more coefficient, if its residual is white; None where it is not."""
     more = fit if fit is None or fit.white else with_one_more(fit)
     return more if more is not None and more.white else None
-
-
-def without_spring(fit: DecayFit) -> DecayFit:
-    """Return the fit without k_3, unless that explains enough or is not free."""
-    if "k_3" not in fit.further:
-        return fit
-    without = fit.problem.climb(fit.parameters.held("k_3").moved(k_3=0.0))
-    if without is None or without.chi_square - fit.chi_square > _K3_GAIN:
-        return fit
-    return with_noise_of(without)
 
 
 def slips_of(fit: DecayFit) -> int:
@@ -498,14 +486,13 @@ def fit_all(fits: Sequence[DecayFit]) -> tuple[DecayFit | None, list[Decay]]:
 
 
 def _of_all(fits: Sequence[DecayFit]) -> DecayFit | None:
-    """Return the fit of all decays, with a friction force for each where the likelihood asks for it."""
+    """Return the fit of all decays, with a friction force for each where they do not share one."""
     if len(fits) == 1:
         return fits[0]
     whole = _fitted_together(fits, own_frictions=False)
     if whole is None or _same(whole, fits):
         return whole
-    several = _fitted_together(fits, own_frictions=True)
-    return whole if several is None or _same(whole, [several]) else several
+    return _fitted_together(fits, own_frictions=True) or whole
 
 
 def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:
@@ -514,7 +501,7 @@ def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:
     fewer = sum(fit.parameters.free.sum() for fit in parts) - whole.parameters.free.sum()
     excess = whole.chi_square - math.fsum(fit.chi_square for fit in parts)
     noise = max(1.0, *(fit.misfit for fit in parts))
-    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > P_ONE_OSCILLATOR)
+    return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > P_OF_THE_MODEL)
 
 
 def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool) -> DecayFit | None:

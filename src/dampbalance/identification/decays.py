@@ -7,9 +7,9 @@ Neighbouring rows share a half cycle: rows are made independent by the root of t
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 
@@ -18,12 +18,13 @@ from scipy import special
 
 from ..arguments import NUMBERS, number
 from ..balance import TERMS, Rows
-from ..findings.finding import Finding
+from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
-from ..fit.decay import DecayFit, departures_of, offset_of, with_noise_of
+from ..fit.decay import DecayFit, offset_of, with_noise_of
+from ..fit.decay_departures import as_pendulum, weighed
 from ..fit.scattering_mean import ScatteringMean
-from ..fit.score import Departure
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
+from ..fit.select import REFITTED, Selection
 from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
@@ -39,18 +40,18 @@ from ..signals.log_decrement import SwingDamping, damping_of
 from ..signals.one_thread import one_thread
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95
-from .answer import BALANCE, UNKNOWN, USELESS, Interval, ParameterEstimate, answer_of_fit
+from .answer import (
+    BALANCE,
+    UNKNOWN,
+    USELESS,
+    Answer,
+    Interval,
+    ParameterEstimate,
+    answer_of_fit,
+    averaged,
+)
 from .balance_check import by_scatter, contradiction, forbidden
 from .balance_rows import Balanced, as_answer, solved
-from .causes import condition_on_contact
-from .decay_laws import (
-    condition_of,
-    doubts_of,
-    pendulum_if_likelier,
-    shortcomings_of,
-    with_departures,
-    with_effects,
-)
 from .diagnosis import on_mass
 from .half_cycles import DecayRows, rows_of
 from .law_comparison import compare_decay_laws
@@ -60,7 +61,8 @@ from .result import Picture, Result
 from .rigs import require_rotation
 from .screen import implied, measured_lines
 from .sensitivities import Fault
-from .stated import with_stated_uncertainties
+from .stated import widened, with_stated_uncertainties
+from .weighing import said_of, weighed_of
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -75,12 +77,11 @@ class DecayBasis:
     """What the answers to records of free decays rest on.
 
     fit : of one oscillator to all samples; the balance has its stick.   half_cycles : rows of the balance.
-    departures : what each further coefficient would explain.   damping : over the amplitude, from the swings.
+    damping : over the amplitude, from the swings.
     """
 
     fit: DecayFit
     half_cycles: DecayRows
-    departures: Sequence[Departure]
     damping: Sequence[SwingDamping] = ()
 
     kind: ClassVar[str] = "ring-down"
@@ -95,11 +96,10 @@ class DecayBasis:
     }
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return what each further coefficient would explain, the standard deviation of the friction forces, 0
-        where all decays share one, and the decays of each record."""
+        """Return the standard deviation of the friction forces, 0 where all decays share one, and the decays of each
+        record."""
         decays = [(one.source, self._decay(i)) for i, one in enumerate(self.fit.decays)]
         return {
-            "departures": [asdict(one) for one in self.departures],
             "F_k_scatter_N": self.fit.friction.scatter,
             "records": [
                 {"record": name, "decays": [decay for source, decay in decays if source == name]}
@@ -231,7 +231,7 @@ def _of_records(records: tuple[Record, ...], options: Mapping[str, Any]) -> Resu
         require_rotation(records)
         outcome = identified(pendulum=True)
     elif records[0].coordinate == ROTATION:
-        outcome = pendulum_if_likelier(identified)
+        outcome = _pendulum_if_likelier(identified)
     else:
         outcome = identified()
     odd = [words.about(record.name) for record in records for words in record.warnings]
@@ -310,9 +310,9 @@ def identify_decay_records(
             fit = _with_mass(fit, mass) or fit
         elif not agrees:
             warnings.append(on_mass(fit, mass))
-    fit, along = with_departures(fit)
-    fit = profiled(fit)
-    warnings += along
+    selection = weighed(fit)
+    fit = profiled(selection.fit)
+    warnings += said_of(selection)
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
@@ -322,8 +322,40 @@ def identify_decay_records(
         names = ", ".join(dict.fromkeys(one.source for one in fit.decays))
         raise ValueError(f"{names}: {sentence(why, records[0].coordinate)}")
     rig = implied(fit, mass if agrees else None)
-    outcome = _solved(fit, rows_of(fit), tuple(record.name for record in records), rig, warnings)
+    sources = tuple(record.name for record in records)
+    outcome = _solved(fit, selection, rows_of(fit), sources, rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
+
+
+def _pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]:
+    """Return the answer to decays that rotate: as a pendulum, where a linear spring leaves more than noise and k_3
+    explains that no better.
+
+    identified : returns the answer; its keyword `pendulum` says whether the restoring torque is k sin θ.
+    """
+    answers: list[Result[Any]] = []
+    errors: list[ValueError] = []
+    for pendulum in (False, True):
+        try:
+            answers.append(identified(pendulum=pendulum))
+        except ValueError as error:
+            errors.append(error)
+        if answers and not pendulum and _linear(answers[0]):
+            break
+    if not answers:
+        raise errors[0]
+    *plain, found = answers
+    fit = found.basis.fit
+    noisy = not fit.white and any(one.basis.fit.white for one in plain)
+    if noisy or not fit.problem.pendulum or not as_pendulum(fit):
+        return answers[0]
+    return replace(found, odd=(*found.odd, Finding("pendulum")))
+
+
+def _linear(found: Result[Any]) -> bool:
+    """Return whether decays show no spring that is not linear."""
+    of_k_3 = (one.weight for one in found.weighed if one.name == "k_3")
+    return found.basis.fit.white and max(of_k_3, default=0.0) < REFITTED
 
 
 def _unclear(record: Record, k: float, why: str) -> str:
@@ -352,6 +384,7 @@ def _with_mass(fit: DecayFit, mass: float) -> DecayFit | None:
 
 def _solved(
     fit: DecayFit,
+    selection: Selection,
     rows: DecayRows,
     sources: tuple[str, ...],
     rig: Sequence[Finding],
@@ -360,10 +393,7 @@ def _solved(
     """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     solution = balanced(rows)
     misfit, freedom, estimates = solution.misfit, solution.freedom, solution.estimates
-    further = departures_of(fit)
-    fit_notes = shortcomings_of(fit)
-    doubts = doubts_of(fit, further)
-    warnings = [*warnings, *doubts]
+    fit_notes = _shortcomings_of(fit)
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, solution.chi_square) < P_OF_THE_MODEL:
         off = by_scatter(estimates, misfit)
@@ -387,7 +417,7 @@ def _solved(
         if clipped(signal.values)
     }
     notes += forbidden(estimates, list(clipped_signals), "negative decay")
-    reference = answer_of_fit(fit, TERMS, fit_notes)
+    reference = averaged(answer_of_fit(fit, TERMS, fit_notes), selection)
     numbers = (rows.decay + 1).tolist()
     answer = as_answer(
         *(BALANCE, solution, rows.rows, tuple(f"decay {i}" for i in numbers)),
@@ -401,23 +431,36 @@ def _solved(
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
     if fit.white and not clipped_signals and not fit.further:
         warnings = [*warnings, *contradiction(answer, fit, USELESS, wider)]
-    conditions, effects = _scatter_of(fit), dict[str, float]()
-    if not doubts:
-        condition, effects = condition_of(fit, further)
-        conditions += condition
-        conditions += condition_on_contact(fit, further)
     decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
-        basis=DecayBasis(fit, rows, further),
+        basis=DecayBasis(fit, rows),
         k=fit.k,
         sources=sources,
-        estimates={BALANCE: with_effects(answer, fit, effects)},
-        reference=with_effects(reference, fit, effects),
+        estimates={BALANCE: _among_models(answer, selection)},
+        reference=reference,
+        weighed=weighed_of(selection),
         odd=(*warnings, *clipped_signals.values()),
         head=f"{_counted(len(sources), 'record')} with {_counted(len(decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",
-        rig=[*rig, *_excerpts_of(fit), *conditions],
+        rig=[*rig, *_excerpts_of(fit), *_scatter_of(fit)],
     )
+
+
+def _among_models(answer: Answer, selection: Selection) -> Answer:
+    """Return the answer of the balance, whose rows are those of the plain model, with its intervals widened by what
+    other models change, each by its weight."""
+    plain = np.array([selection.plain.value(key) for key in selection.keys])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = np.array([one.values for one in selection.models]) / plain - 1.0
+    changes = np.sqrt(np.average(off**2, 0, selection.weights))
+    return widened(answer, {"models": dict(zip(selection.keys, changes.tolist(), strict=True))})
+
+
+def _shortcomings_of(fit: DecayFit) -> list[Finding]:
+    """Return a finding where the decays are not those of one oscillator even in the band of the mode."""
+    if sound(fit):
+        return []
+    return [Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED)]
 
 
 def _excerpts_of(fit: DecayFit) -> list[Finding]:

@@ -103,7 +103,7 @@ def rows_of(fit: DecayFit) -> DecayRows:
     numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
     columns, decays, halves = [np.empty((0, 3))], [], []
     for i, (one, F_k) in enumerate(zip(_without_gaps(fit), forces, strict=True)):
-        stick = 2.0 * F_k / fit.K_z
+        stick = 2.0 * F_k / fit.at_once
         moves = one.cut(one.start, fit.at_rest(i))  # from there on it rings on the contact
         channels = [swings_of(signal, one.period, _SLIPS * stick) for signal in moves.signals]
         read = max(channels, key=lambda of: (of.D.size, -of.errors.sum()))

@@ -24,7 +24,8 @@ from typing import Any
 import numpy as np
 
 from ..findings.finding import Finding
-from ..fit.decay import DecayFit, departures_of
+from ..fit.decay import DecayFit
+from ..fit.decay_departures import departures_of
 from ..fit.multistart import Trail, multistart
 from ..fit.parameters import Parameters
 from ..fit.score import Departure, departures_from

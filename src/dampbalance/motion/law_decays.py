@@ -7,7 +7,12 @@ The base is at rest. G = k is a pendulum, whose angle is x, and G = 0 any other 
 is followed by its exact flow, the rest by the Runge–Kutta method of order 4 in the frame of that flow (Lawson 1967):
 where only F_k and c act, the motion is exact. Derivatives follow the linearised equations; x, ẋ and their derivatives
 are continuous at events, since the force of the contact is. Where the friction falls with the speed, F_k is what it
-falls to: a mass at rest breaks loose at F_k + p, one that moves at less.
+falls to: a mass at rest breaks loose at F_k + p, one that moves at less. Friction that fades, as of bodies that run in
+or get warm, changes from one slip to the next,
+
+    F_n = F_k [1 − q (n/N − ½)],   n = 0, 1, … N,
+
+by a share q of its mean F_k in N slips, and stays as it is after these.
 """
 
 from __future__ import annotations
@@ -24,10 +29,10 @@ from .events import contact_state, write_phase
 from .flow import step_response
 from .unknowns import F_K, OSCILLATOR_UNKNOWNS, RHO, C, M
 
-ADDED = ("c_2", "k_3", "falling", "falling_speed", "gradual")
+ADDED = ("c_2", "k_3", "falling", "falling_speed", "fading", "gradual")
 """Coefficients of what is not linear: N s²/m², N/m³; p, N, by which friction is larger at rest, and the speed v, m/s,
-over which that falls by a factor e, 0 for at once; and how much of `rounding` the force of the contact has, whose own
-events stay where they are without it."""
+over which that falls by a factor e, 0 for at once; q, the share of friction that fades; and how much of `rounding` the
+force of the contact has, whose own events stay where they are without it."""
 
 DECAY_UNKNOWNS = (*OSCILLATOR_UNKNOWNS, "x", "v", "w", *ADDED)
 """The unknowns by which derivatives are taken: those of the oscillator, the start state, z = (w − 1) F_k/K_z with the
@@ -36,12 +41,12 @@ preload w of the contact spring, and `ADDED`."""
 LINEAR_UNKNOWNS = len(OSCILLATOR_UNKNOWNS) + 3
 """Number of these that a fit of friction and viscous damping needs."""
 
-Coefficients = tuple[float, float, float, float, float, float]
+Coefficients = tuple[float, float, float, float, float, float, float]
 """Values of the coefficients in `ADDED`, and G, N m."""
 
 _START_X, _START_V, _START_PRELOAD = range(len(OSCILLATOR_UNKNOWNS), LINEAR_UNKNOWNS)
 _FIRST_ADDED = LINEAR_UNKNOWNS
-_C_2, _K_3, _FALLING, _SPEED, _GRADUAL, _GRAVITY = range(len(ADDED) + 1)
+_C_2, _K_3, _FALLING, _SPEED, _FADING, _GRADUAL, _GRAVITY = range(len(ADDED) + 1)
 # Rows of the work space, (15, 1 + n): a row is the motion, or a force on it, and its n derivatives. It is handed on
 # whole, as each array that is handed on costs as much as a tenth of a step.
 _STAGE, _HALF = 0, 4  # accelerations of the four stages of a step; x and ẋ after half of it
@@ -248,23 +253,46 @@ def _step(
 
 
 @jit
+def _with_friction(par: Parameters, F_k: float) -> Parameters:
+    """Return the oscillator with another friction force, N."""
+    return Parameters(par.m, par.c, par.k, par.K_z, F_k, par.Y, par.omega)
+
+
+@jit
+def _faded(par: Parameters, age: float, p: Coefficients) -> Parameters:
+    """Return the oscillator with the friction of one slip.   age : n/N − ½."""
+    return _with_friction(par, par.F_k * (1.0 - p[_FADING] * age))
+
+
+@jit
 def _hold(
-    w: Array, at: int, rows: int, s: float, side: float, first: bool, par: Parameters
+    w: Array,
+    at: int,
+    rows: int,
+    s: float,
+    side: float,
+    first: bool,
+    age: float,
+    par: Parameters,
+    p: Coefficients,
 ) -> None:
     """Begin a phase at a state: add its place to what is held, and set its constant accelerations.
 
-    side : force of the contact there, over F_k.   first : whether it is the first phase, whose side is that of w.
+    side : force of the contact there, over the friction.   first : whether it is the first phase, whose side is that of
+    w.   age : n/N − ½ of that friction.
     """
-    m = par.m
+    m, level = par.m, 1.0 - p[_FADING] * age
     for i in range(rows):
         w[_HELD, i] += w[at, i]
         w[at, i] = 0.0
         w[_CONSTANT, i] = -par.k * w[_HELD, i] / m
-    w[_CONSTANT, 0] -= side * par.F_k / m
-    w[_CONSTANT, 1 + F_K] -= side / m
+    w[_CONSTANT, 0] -= side * level * par.F_k / m
+    w[_CONSTANT, 1 + F_K] -= side * level / m
     w[_CONSTANT, 1 + M] -= w[_CONSTANT, 0] / m
     if first and s == 0.0:
-        w[_CONSTANT, 1 + _START_PRELOAD] -= par.F_k / m
+        w[_CONSTANT, 1 + _START_PRELOAD] -= level * par.F_k / m
+    if rows > 1 + LINEAR_UNKNOWNS:
+        w[_CONSTANT, 1 + _FIRST_ADDED + _FADING] += side * age * par.F_k / m
 
 
 @jit
@@ -278,35 +306,38 @@ def law_decay(
     coefficients: Array,
     unknowns: int,
     gravity: float,
+    slips: float,
     phases: Array,
 ) -> Array:
     """Return x, ẋ or ẍ (order 0, 1, 2) of a free decay at ascending times ≥ 0, and derivatives, (n, 1 + unknowns).
 
     NaN from where the contact rattles on.
 
-    x, v, preload : at t = 0.   coefficients : of `ADDED`, (5,).   gravity : G/k.   phases : receives (t, s, x, ẋ, z) at
-    the start of each phase, (n, 5), as many as it has rows.
+    x, v, preload : at t = 0.   coefficients : of `ADDED`, (6,).   gravity : G/k.   slips : N.   phases : receives (t,
+    s, x, ẋ, z) at the start of each phase, (n, 5), as many as it has rows.
     unknowns : how many of `DECAY_UNKNOWNS` to differentiate by: all, or `LINEAR_UNKNOWNS` in a third of the time.
     """
     rows = 1 + unknowns
     out = np.full((times.size, rows), math.nan)
     w = np.zeros((15, rows))
     c = coefficients
-    p = (c[0], c[1], c[2], c[3], c[4], gravity * par.k)
+    p = (c[0], c[1], c[2], c[3], c[4], c[5], gravity * par.k)
     # a literal would have each kernel compiled once more
     here, there, stage = int(np.int64(_STATE)), int(np.int64(_STATE + 2)), int(np.int64(_STAGE))
     w[_HELD, 0], w[here + 1, 0] = x, v
     w[_HELD, 1 + _START_X], w[here + 1, 1 + _START_V] = 1.0, 1.0
     # up to the end, F_k is that at rest
-    par = Parameters(par.m, par.c, par.k, par.K_z, par.F_k + p[_FALLING], par.Y, par.omega)
-    Z_m = par.F_k / par.K_z
+    par = _with_friction(par, par.F_k + p[_FALLING])
+    slipped, age = 0.0, -0.5
+    now = then = mean = _faded(par, age, p)  # in the contact, of the next slip, of both
+    Z_m = now.F_k / par.K_z
     side = min(max(preload - 1.0, -1.0), 1.0)
-    s = contact_state(x, v, side * Z_m, 0.0, par)
+    s = contact_state(x, v, side * Z_m, 0.0, now)
     if s != 0.0:
         side = s
     bent = coefficients[:_SPEED].any() or p[_GRADUAL] != 0.0 or gravity != 0.0
     t, events, linear = 0.0, 0, unknowns <= LINEAR_UNKNOWNS and not bent
-    _hold(w, here, rows, s, side, events == 0, par)
+    _hold(w, here, rows, s, side, events == 0, age, par, p)
     if phases.size:
         write_phase(phases, 0, t, s, x, v, side * Z_m)
     for n in range(times.size):
@@ -322,12 +353,15 @@ def law_decay(
                 steps = max(steps, h / _OF_A_PENDULUM * math.hypot(swing, w[here + 1, 0]))
             h /= math.ceil(steps)
             # an event is beyond `high` or `low`; it is located by Newton's method kept inside the bracket
-            high = Z_m - side * Z_m if sticks else 0.0
-            low = -Z_m - side * Z_m if sticks else 0.0
+            other = then.F_k / par.K_z
+            high = (Z_m if side == 1.0 else other) - side * Z_m if sticks else 0.0
+            low = -(Z_m if side == -1.0 else other) - side * Z_m if sticks else 0.0
+            # with which a contact that yields gradually does so up to the next slip
+            mean = _with_friction(par, 0.5 * (now.F_k + then.F_k))
             before, after, part, up, crosses = 0.0, h, h, s < 0.0, False
             many, flow = rows, _FLOW + int(sticks)
             for attempt in range(_NEWTONS):
-                _step(w, here, there, many, part, sticks, flow, par, p, linear)
+                _step(w, here, there, many, part, sticks, flow, mean, p, linear)
                 u, rate = w[there, 0], w[there + 1, 0]
                 # a contact that is loaded while the mass moves yields earlier than at rest
                 early = math.copysign((1.0 - _persisting(rate, p)) * p[_FALLING] / par.K_z, rate)
@@ -359,7 +393,7 @@ def law_decay(
                 w[flow, 0] = 0.0
             if crosses:
                 w[flow, 0] = 0.0
-                _step(w, here, there, rows, part, sticks, flow, par, p, linear)
+                _step(w, here, there, rows, part, sticks, flow, mean, p, linear)
             here, there = there, here
             t += part
             if not crosses:
@@ -368,14 +402,19 @@ def law_decay(
             if events > _MOST_EVENTS:
                 return out
             if sticks:
-                side = 1.0 if up else -1.0
-                s = side
+                s = 1.0 if up else -1.0
+                if s != side:
+                    age = min(slipped / slips, 1.0) - 0.5
+                    now, Z_m = then, other
+                side = s
             else:
                 w[here + 1, 0], side = 0.0, s
-                s = contact_state(w[_HELD, 0] + w[here, 0], 0.0, side * Z_m, 0.0, par)
+                s = contact_state(w[_HELD, 0] + w[here, 0], 0.0, side * Z_m, 0.0, now)
                 if s != 0.0:
                     side = s
-            _hold(w, here, rows, s, side, events == 0, par)
+                slipped += 1.0
+                then = _faded(par, min(slipped / slips, 1.0) - 0.5, p)
+            _hold(w, here, rows, s, side, events == 0, age, par, p)
             if events < len(phases):
                 write_phase(phases, events, t, s, w[_HELD, 0], w[here + 1, 0], side * Z_m)
         for i in range(rows):
@@ -383,7 +422,7 @@ def law_decay(
             if order == 0:
                 out[n, i] += w[_HELD, i]
         if order == 2:
-            _accelerations(w, here, rows, s == 0.0, par, p, stage)
+            _accelerations(w, here, rows, s == 0.0, mean, p, stage)
             stiff = par.k + (par.K_z if s == 0.0 else 0.0)
             for i in range(rows):
                 flowing = w[_CONSTANT, i] - (par.c * w[here + 1, i] + stiff * w[here, i]) / par.m

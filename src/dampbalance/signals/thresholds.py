@@ -32,8 +32,9 @@ P_DRIFT = 1e-6
 """Slow change of an amplitude: asked of each channel of each record, and reported with its size."""
 
 P_OF_THE_MODEL = 1e-4
-"""χ² of forced records about the oscillator, a residual of decays that looks like a motion, χ² of half cycles about one
-F_k and c: below, another answer or a narrower band takes its place, or intervals grow, which costs accuracy."""
+"""χ² of forced records about the oscillator, a residual of decays that looks like a motion, χ² that one oscillator for
+all decays adds, χ² of half cycles about one F_k and c: below, another answer or a narrower band takes its place, or
+intervals grow, which costs accuracy."""
 
 P_SHOWN = 6.3e-5
 """χ² of 16, four standard errors: slip, and a mass or a balance that contradicts the fit.
@@ -55,26 +56,17 @@ itself before it shows, and a delay or k_3 of the fundamentals: fitted along in 
 P_DEPARTURE = 1e-3
 """Each other departure of forced records: fitted along, it costs accuracy."""
 
-P_FURTHER_TERM = 0.02
-"""A further term of the damping of decays: friction that falls with the speed imitates damping, so that a weak sign
-counts."""
-
-P_ONE_OSCILLATOR = 1e-3
-"""χ² that one oscillator, or one friction force, for all decays adds: below, they are fitted with their own."""
-
 P_STEP_BACK = 3e-4
 """χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
 
 TESTS: Mapping[str, int] = {
     "NEVER": 1000,  # harmonics, cycles and channels of ten records
     "P_DRIFT": 20,  # base and response of ten records
-    "P_OF_THE_MODEL": 3,  # forced records, the residual of decays, half cycles
+    "P_OF_THE_MODEL": 7,  # forced records, the residual of decays, half cycles, four steps that join decays
     "P_SHOWN": 4,  # slip, mass, F_k and c of the balance
     "P_AS_WELL": 0,
     "P_CAUSE": 3,  # gradual, corner, delay
     "P_DEPARTURE": 6,  # gain, frame, friction, damping and spring
-    "P_FURTHER_TERM": 1,  # asked once, of the whole list
-    "P_ONE_OSCILLATOR": 4,  # steps in which the decays of a set are joined
     "P_STEP_BACK": 0,
 }
 """Number of times that each is asked, with the power to cast a doubt, in a usual set of records."""
