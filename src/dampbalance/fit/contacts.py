@@ -1,8 +1,12 @@
 """Contact, damping, stiffness and mass from steady responses to a harmonic force, with intervals; which contact it is.
 
-Equations and unknowns are those of `stiffness_lines.py`. The errors of the lines are what the law leaves of them; a
-gradual contact is a tenth as smooth as the prediction of levels that are left out asks for, so that its bias is below
-the noise.
+Equations and unknowns are those of `stiffness_lines.py`; the errors of the lines follow from the residual of each
+model. A gradual contact is the mean over contacts of different smoothness, from separate sliders on, weighed like none,
+one slider and many sliders by their evidence (`select.py`),
+
+    ln E = −Σ ln σ − ½χ² − ½ p ln n
+
+with the errors σ that are likeliest by each model, n data and p effective unknowns (Schwarz, Ann. Stat. 6, 1978).
 """
 
 from __future__ import annotations
@@ -17,47 +21,42 @@ import numpy as np
 from scipy import special
 
 from ..arrays import Array, Complexes
-from ..findings.finding import Finding
 from ..law.contact import Sliders
 from ..law.terms import FRICTION, term
 from ..signals.one_thread import one_thread
 from .fit import Fit
-from .goodness import as_good
 from .parameters import Parameter, Parameters
-from .stiffness_lines import (
-    NODES,
-    Contact,
-    Misfit,
-    StiffnessLines,
-    StiffnessProblem,
-)
+from .select import PRIORS, Candidate, Selection, select
+from .stiffness_lines import Contact, StiffnessLines, StiffnessProblem
 
-_SMOOTHINGS = np.geomspace(1e-3, 10.0, 5)
-_LESS = 0.1  # part of the smoothing that predicts best
-_LEVELS = 4  # from which on levels are left out to choose it
+# of κ over ln r: separate sliders, and three from a third of a decade to all of the range, in which κ follows a line
+_SMOOTHINGS = (0.0, 3e-5, 3e-4, 3e-3)
+_NODES = 80  # sliders of a gradual contact: 7 % from one to the next
 _RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
 _ITERATIONS = 4  # of the errors of the lines
 _FIRST_ERROR = 0.05  # of Z, where the iteration starts
 _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
 _STIFFEST = 1e10  # of |Z|: a contact that stands for a rigid one
-_DRAWS, _SEED = 200, 2010  # of replicates; the same lines give the same bytes
 _COMPARED = 3  # levels, at least
-_WORDS = {
+_PRIORS: Mapping[Contact, str] = {
+    "one slider": "",
+    "gradual": "gradual contact",
     "none": "no contact",
-    "one slider": "one slider",
-    "gradual": "a contact that yields gradually",
 }
-_FALSE_ALARMS = 0.05  # of a gradual contact where one slider is the truth
 _SPRING = ("k", "m", "k_3")
 
 
+@dataclass(frozen=True, eq=False)
 class ContactFit(Fit):
     """A contact and an oscillator identified from lines of dynamic stiffness: its problem is a `StiffnessProblem`. Its
-    numbers are those of its parameters, with K_z and F_k of the contact that yields at the amplitudes seen.
+    numbers are those of its parameters, with K_z, ρ = K_z^{−1/2} and F_k of the contact that yields at the amplitudes
+    seen.
 
-    The covariance has the square of the bias that smoothing causes; it is not subtracted, as it is uncertain itself.
+    evidence : ln E, see above.
     """
+
+    evidence: float = 0.0
 
     @property
     def terms(self) -> tuple[str, ...]:
@@ -95,30 +94,34 @@ class ContactFit(Fit):
             kappa, r = np.array(self.parameters.names) == "kappa", self.all_sliders.r
             for name, power in (("K_z", 0), (FRICTION, 1)):
                 slopes[name] = np.zeros(self.point.size)
-                slopes[name][kappa] = (r**power * (r < self.X_range[1])) @ self.problem.spread
+                slopes[name][kappa] = r**power * (r < self.X_range[1])
+            slopes["rho"] = -0.5 * self.value("rho") ** 3 * slopes["K_z"]
         elif self.problem.contact == "one slider":
             slopes["K_z"] = -2.0 * self.value("rho") ** -3 * slopes["rho"]
         return slopes
 
     def value(self, key: str) -> float:
-        """Return a number, in its unit."""
+        """Return a number, in its unit; zero where the model does not have it."""
         if key in ("K_z", FRICTION):
             return self.sliders.K_z if key == "K_z" else self.sliders.F_k
-        return super().value(key)
+        if key in self.parameters:
+            return super().value(key)
+        return self.sliders.K_z**-0.5 if key == "rho" and self.sliders.K_z else 0.0
 
     def covariance_of(self, *keys: str) -> Array:
         """Return the covariance of some numbers, in their units."""
-        by = np.reshape([self.slopes[key] for key in keys], (len(keys), self.point.size))
+        nothing = np.zeros(self.point.size)
+        by = np.array([self.slopes.get(key, nothing) for key in keys])
+        by = by.reshape(len(keys), self.point.size)
         return np.asarray(by @ self.covariance @ by.T)
 
     def interval(self, key: str) -> tuple[float, float]:
-        """Return the 95 % interval of a number, in its unit, of what is not negative above 0. The upper end of K_z is
-        infinite where lines tell only a lower limit."""
+        """Return the 95 % interval of a number, in its unit. The upper end of K_z is infinite where lines tell only a
+        lower limit."""
         if key == "K_z" and self.problem.contact == "one slider":
             low, high = self.interval("rho")
             return high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
-        low, high = super().interval(key)
-        return (low if key == "R" else max(low, 0.0)), high
+        return super().interval(key)
 
     def law(self, X: Array, omega: Array | float) -> tuple[Complexes, Complexes]:
         """Return the dynamic stiffness by the law at amplitudes X, m, and angular frequencies, rad/s, and half of the
@@ -193,7 +196,7 @@ def fit_contact(lines: StiffnessLines, *, contact: Contact, **options: Any) -> C
 
     Raises ValueError for lines that do not determine the unknowns.
     """
-    return _fit(_estimated(_asked(lines, contact, **options)))
+    return _fitted(_asked(lines, contact, **options))
 
 
 def _asked(
@@ -223,7 +226,7 @@ def _asked(
         rigid = (_STIFFEST * largest) ** -0.5
         unknowns += [Parameter(FRICTION, 0.0, low=0.0, scale=1e-3 * largest * low)]
         unknowns += [Parameter("rho", largest**-0.5, low=rigid, scale=rigid)]
-    nodes = _nodes(lines.X)[: NODES * (contact == "gradual")]
+    nodes = _nodes(lines.X)[: _NODES * (contact == "gradual")]
     # where k is free, a slider that no line moves is a part of it
     count = nodes.size + (contact == "gradual" and stiffness is not None)
     unknowns += [Parameter("kappa", 0.0, low=0.0, group=str(1 + i)) for i in range(count)]
@@ -264,25 +267,21 @@ def _require_told(name: str, stiffness: float | None) -> None:
 def _nodes(X: Array) -> Array:
     """Return r at which κ of a gradual contact is an unknown, m, from a tenth of the smallest amplitude, at which it is
     felt, to the largest.   X : m, (n,)."""
-    return np.geomspace(0.1 * X.min(), X.max(), NODES)
+    return np.geomspace(0.1 * X.min(), X.max(), _NODES + 1)[:-1]
 
 
-def _estimated(
-    problem: StiffnessProblem, steps: int = _ITERATIONS, near: bool = False
-) -> StiffnessProblem:
-    """Return the problem with its unknowns where they are likeliest, its smoothing and its errors iterated; with one
-    step, those of the lines are kept.   near : whether this is next to where it starts, with the same smoothing."""
-    gradual = problem.contact == "gradual"
-    smoothing = problem.smoothing or _LESS * float(np.median(_SMOOTHINGS))
-    problem = replace(problem, smoothing=smoothing * gradual)
-    for step in range(steps):
+def _estimated(problem: StiffnessProblem, near: bool = False) -> StiffnessProblem:
+    """Return the problem with its unknowns where they are likeliest, its errors iterated.   near : whether this is next
+    to where it starts."""
+    for step in range(_ITERATIONS):
         if step:
             problem = replace(problem, sigma=problem.scatter(problem.start.values))
         starts = [problem.climbed] * (near or step > 0) + ([] if near else _starts(problem))
         problem = replace(problem, start=problem.ends(starts))
-        if gradual and not near:
+        if problem.contact == "gradual" and not near and "R" in problem.start:
             X = problem.mode(problem.start.values).X  # which R has moved
-            problem = _smoothed(replace(problem, nodes=_nodes(X)))
+            problem = replace(problem, nodes=_nodes(X))
+            problem = replace(problem, start=problem.start.at(problem.solve(problem.start.values)))
     return problem
 
 
@@ -300,139 +299,89 @@ def _starts(problem: StiffnessProblem) -> list[Parameters]:
     return [each[i] for i in np.argsort(chi_square, kind="stable")[:3]]
 
 
-def _smoothed(problem: StiffnessProblem) -> StiffnessProblem:
-    """Return the problem with the smoothing that levels, or generalised cross-validation where they are few, ask for,
-    solved."""
-    rough = [replace(problem, smoothing=smoothing) for smoothing in _SMOOTHINGS.tolist()]
-    if len(problem.lines.names) >= _LEVELS:
-        scores = [float(np.mean(_held_out(of).score)) for of in rough]
-    else:
-        scores = [_generalised(of) for of in rough]
-    best = replace(problem, smoothing=_LESS * float(_SMOOTHINGS[int(np.argmin(scores))]))
-    return replace(best, start=best.start.at(best.solve(best.start.values)))
+def _fitted(problem: StiffnessProblem) -> ContactFit:
+    """Return the fit of a problem, that of a gradual contact the mean over those of different smoothness."""
+    if problem.contact != "gradual":
+        return _fit(_estimated(problem))
+    first, *others = (_fit(_estimated(replace(problem, smoothing=of))) for of in _SMOOTHINGS)
+    candidates = [
+        _candidate(f"{one.problem.smoothing:g}", one, first, "smoothness") for one in others
+    ]
+    weighed = select(first, candidates, first.parameters.keys)
+    evidence = first.evidence + special.logsumexp([one.evidence for one in weighed.models])
+    evidence -= math.log(len(_SMOOTHINGS))
+    return replace(
+        weighed.fit, parameters=weighed.fit.parameters.at(weighed.values), covariance=weighed.covariance, evidence=evidence
+    )
 
 
-def _generalised(problem: StiffnessProblem) -> float:
-    """Return χ² over the square of the degrees of freedom that are left."""
-    values = problem.solve(problem.start.values)
-    A = problem.rows(values)[:, values[problem.solved] > 0.0]
-    A = A / np.linalg.norm(A, axis=0)
-    own = A[: problem.samples]
-    freedom = problem.samples - float(np.trace(np.linalg.pinv(A.T @ A) @ (own.T @ own)))
-    return float(np.sum(problem.residual(values) ** 2)) / max(freedom, 1e-9) ** 2
-
-
-def _held_out(problem: StiffnessProblem) -> Misfit:
-    """Return misfits of each level to the law of the others, (levels,)."""
-    held, found = problem.start, []
-    problem = replace(problem, start=held.held("R") if "R" in held else held)
-    for level in range(len(problem.lines.names)):
-        own = problem.lines.level == level
-        if not own.all():
-            others = problem[~own]
-            at = others.ends([others.climbed, *_starts(others)])
-            found.append(problem[own].misfit(at.values))
-    return Misfit(*np.transpose(found))
+def _candidate(name: str, fit: ContactFit, plain: ContactFit, prior: str) -> Candidate:
+    """Return a fit as a candidate against a plain one."""
+    return Candidate(
+        name, PRIORS[prior], lambda: fit, evidence=lambda end: end.evidence - plain.evidence
+    )
 
 
 def _fit(problem: StiffnessProblem) -> ContactFit:
     """Return the fit where the unknowns of a problem are."""
     values = problem.start.values
-    by = problem.by_rows(values)
-    covariance = by @ by.T
-    if problem.contact == "gradual":
-        about = replace(problem, smoothing=_LESS * problem.smoothing).solve(values)
-        moved = problem.residual(about)
-        noise = np.random.default_rng(_SEED).standard_normal((_DRAWS, moved.size))
-        drawn = problem.refitted(moved + noise)[0] - about
-        covariance = np.cov(drawn.T) + np.outer(drawn.mean(axis=0), drawn.mean(axis=0))
+    unknowns = problem.unknowns(values)
     chi_square = float(np.sum(problem.residual(values) ** 2))
-    freedom = problem.samples - np.count_nonzero(problem.used(values))
-    return ContactFit(problem.start, covariance, chi_square, max(float(freedom), 1.0), problem)
+    evidence = -float(np.sum(np.log(problem.sigma))) - 0.5 * chi_square
+    evidence -= 0.5 * unknowns * math.log(problem.samples)
+    freedom = max(problem.samples - unknowns, 1.0)
+    return ContactFit(
+        problem.start, problem.covariance(values), chi_square, freedom, problem, evidence=evidence
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class ContactComparison:
-    """Which contact stepped lines support, of those compared, by name, the simplest first.
+    """Contacts weighed by stepped lines.
 
-    fits : to all lines.   held_out : misfit of each level to the law of the others, in the standard errors of the
-    gradual contact.   supported : the simplest one that predicts levels as well as the best does.
-    p : probability, for one slider, of a misfit that exceeds that of a gradual contact by as much.
-    finding : which contact it is, what does not distinguish it from others, and those that predict the loss as well,
-    and not the in-phase rows.
+    fits : by name, the simplest first.   selection : their weights, and numbers averaged over them.
     """
 
     fits: Mapping[str, ContactFit]
-    held_out: Mapping[str, Misfit]
-    supported: str
-    p: float
-    finding: Finding
+    selection: Selection
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Weight of each, by name."""
+        return dict(zip(self.fits, self.selection.weights, strict=True))
+
+    @property
+    def supported(self) -> str:
+        """Name of the heaviest."""
+        return max(self.weights, key=self.weights.__getitem__)
 
 
 @one_thread
 def compare_contacts(
     lines: StiffnessLines, *, terms: Sequence[str] = ("c",), **options: Any
 ) -> ContactComparison:
-    """Compare no contact, with damping up to a cubic one, a single slider and a gradual contact.
+    """Weigh no contact, with damping up to a cubic one, a single slider and a gradual contact by their evidence.
 
-    Use it before an answer is taken from stepped lines. Each level is left out and predicted by the law of the others.
-    The simplest contact is supported that predicts as well as the best one, within one standard error of the difference
-    over levels; a gradual contact only if, in addition, the ratio of likelihoods rejects one slider at 5 %; replicates
-    of the lines about one slider give its distribution.
+    Use it before an answer is taken from stepped lines: its numbers hold what the lines do not tell apart.
 
     Arguments as for `fit_contact`. Raises ValueError for fewer than three levels.
     """
     if len(lines.names) < _COMPARED:
         raise ValueError(
-            f"contacts are compared by held-out levels, and there are {len(lines.names)}: add levels of excitation, "
+            f"contacts are compared over levels, and there are {len(lines.names)}: add levels of excitation, "
             f"{_COMPARED} at least, or ask for one contact"
         )
     more = [name for name in ("c_2", "c_3") if name not in terms]
-    of_none = [(*terms, *more[:count]) for count in range(len(more) + 1)]
-    laws: list[tuple[str, Contact, Sequence[str]]] = [
-        (f"none ({', '.join(of)})", "none", of) for of in of_none
-    ]
-    laws.insert(2, ("one slider", "one slider", terms))  # before a damping with as many unknowns
-    laws.append(("gradual", "gradual", terms))
-    own = {name: _asked(lines, contact, of, **options) for name, contact, of in laws}
-    own = {name: _estimated(problem) for name, problem in own.items()}
-    sigma = own["gradual"].sigma
-    alike = {name: _estimated(replace(of, sigma=sigma), steps=1) for name, of in own.items()}
-    left = {name: _held_out(of) for name, of in alike.items()}
-    p = _one_slider_is_enough(alike["one slider"], alike["gradual"])
-    best = min(left, key=lambda name: float(np.mean(left[name].score)))
-    good = [name for name in left if as_good(left[name].score, left[best].score)]
-    supported = "one slider" if good[0] == "gradual" and p > _FALSE_ALARMS else good[0]
-    fits = {name: _fit(of) for name, of in own.items()}
-    numbers: dict[str, Any] = {
-        "contact": _WORDS[own[supported].contact],
-        "terms": fits[supported].terms,
-        **_left(fits[supported]),
-        "others": tuple(name for name in good if name != supported),
-        "stiffer": tuple(
-            Finding("other contact", {"contact": name, **_left(fits[name])})
-            for name in left
-            if name not in (supported, *good)
-            and as_good(left[name].loss_score, left[supported].loss_score)
-        ),
-    }
-    if own[supported].contact != "none":
-        numbers |= {"p": p, "tested": True, "enough": supported == "one slider"}
-    finding = Finding("contact", numbers)
-    return ContactComparison(fits, left, supported, p, finding)
-
-
-def _left(fit: ContactFit) -> dict[str, float]:
-    """Return what a fit leaves of the loss and of the stiffness."""
-    left = fit.problem.misfit(fit.point)
-    return {"loss": left.loss, "stiffness": left.in_phase}
-
-
-def _one_slider_is_enough(one: StiffnessProblem, gradual: StiffnessProblem) -> float:
-    """Return probability, if one slider is the truth, that a gradual contact fits better by as much as it does."""
-    law = one.residual(one.start.values)
-    random = np.random.default_rng(_SEED).standard_normal((_DRAWS, law.size))
-    moved = np.vstack([np.zeros(law.size), law + random])
-    of_one, of_many = (np.sum(of.refitted(moved)[1] ** 2, axis=1) for of in (one, gradual))
-    gain = of_one - of_many
-    return float(1.0 + np.count_nonzero(gain[1:] >= gain[0])) / (_DRAWS + 1.0)
+    damping = [(*terms, *more[:count]) for count in range(len(more) + 1)]
+    laws: list[tuple[str, Contact, Sequence[str], str]] = []
+    for contact, prior in _PRIORS.items():
+        for of in damping if contact == "none" else damping[:2]:
+            further = contact != "none" and of != damping[0]
+            name = f"{contact} ({', '.join(of)})" if contact == "none" or further else contact
+            laws.append((name, contact, of, "further damping" if further else prior))
+    fits = {name: _fitted(_asked(lines, contact, of, **options)) for name, contact, of, _ in laws}
+    first = fits["one slider"]
+    free = [p for fit in fits.values() for p in fit.terms if fit.parameters[p].free]
+    keys = (FRICTION, "rho", *dict.fromkeys(free))
+    candidates = [_candidate(name, fits[name], first, prior) for name, *_, prior in laws[1:]]
+    return ContactComparison(fits, select(first, candidates, keys))

@@ -75,6 +75,11 @@ PRIORS: Mapping[str, Prior] = {
     # contact
     "gradual": Prior(0.05, 0.5, "contact of Iwan", positive=True),
     "gradual in decays": Prior(0.4, 0.5, "contact of Iwan", positive=True),
+    # stepped sine: models that are no extensions of each other, without a size
+    "gradual contact": Prior(0.4, math.inf, "none"),
+    "no contact": Prior(0.03, math.inf, "none"),
+    "further damping": Prior(0.03, math.inf, "none"),
+    "smoothness": Prior(0.25, math.inf, "none"),
     # spring and damper
     "k_3": Prior(0.03, 0.02, "k over X²"),
     "pendulum": Prior(0.1, 0.0, "none: the spring of a rotation is gravity"),

@@ -14,8 +14,8 @@ where the driven point moves with other modes, too, their residual receptance R 
     1/Z_measured = e^{−iωτ}/Z + R,    X = X_measured |1 − R Z_measured|
 
 Unknowns that are linear and not negative are solved for at each step of a climb in the others: F_k and ρ = K_z^{−1/2}
-of one slider, k_3 where a spring may soften, τ and R. κ of a gradual contact is piecewise linear over ln r, and as
-smooth as it is asked to be.
+of one slider, k_3 where a spring may soften, τ and R. A gradual contact has sliders at many r, close to each other,
+none of them negative, and κ is as smooth over ln r as it is asked to be.
 """
 
 from __future__ import annotations
@@ -39,14 +39,13 @@ Contact = Literal["none", "one slider", "gradual"]
 
 _LINEAR = {"k", "m", "k_3", *KNOWN_TERMS} - {FRICTION}  # unknowns
 
-NODES, _BETWEEN = 32, 3  # of κ over ln r of a gradual contact; sliders from one node to the next
-_LOWEST = 0.1  # r of its first node, of the smallest amplitude, at which it is felt
 # Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
 _GROWTH = 0.5
 _TRIED, _RIGID = (
     60,
     1e-3,
 )  # r of one slider to start from, and the smallest, of the smallest amplitude
+_LITTLE = 0.003  # of the force K_z X of the smallest amplitude: of a slider that is not found, so that intervals hold
 _SOFTEST = 1e-9  # of |Z|: a contact that is none
 _STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
 _MULTIPLIED, _FLOOR = 60, 1e-9  # of the scatter: updates; least, of |Z|, of lines without noise
@@ -130,7 +129,7 @@ class StiffnessProblem:
     are.   contact : of the model.   sigma : standard errors of the parts of each measured Z, N/m, (2, n).
     k : of the spring, N/m, for what it drives, and for the stiffness itself where that is no unknown.
     of : lines to which an unknown of a group belongs.   nodes : r at which κ of a gradual contact is an unknown, m.
-    smoothing : weight of the second differences of κ.   added : to the Z of the model, N/m, (n,).
+    smoothing : weight of the second derivative of κ.   added : to the Z of the model, N/m, (n,).
     """
 
     lines: StiffnessLines
@@ -174,24 +173,19 @@ class StiffnessProblem:
 
     @cached_property
     def r(self) -> Array:
-        """Deflections at which the sliders of a gradual contact slip, m: more of them between its nodes, and one that
-        no line moves where the last κ is its own."""
-        at = np.arange((NODES - 1) * _BETWEEN) / _BETWEEN
-        fine = np.exp(np.interp(at, np.arange(NODES), np.log(self.nodes)))
-        return np.append(fine, self.nodes[-1:] if len(self._places("kappa")) > NODES else [])
+        """Deflections at which the sliders of a gradual contact slip, m, and that of one that no line moves where the
+        last κ is its own."""
+        return np.append(self.nodes, [self.lines.X.max()] * self._stuck)
 
-    @cached_property
-    def spread(self) -> Array:
-        """κ of these sliders by the unknown κ at the nodes, and by that of the one that is stuck."""
-        stuck = len(self._places("kappa")) > NODES
-        at = np.arange((NODES - 1) * _BETWEEN + stuck) / _BETWEEN
-        hats = np.maximum(1.0 - np.abs(np.subtract.outer(at, np.arange(NODES))), 0.0)
-        return np.hstack([hats, np.eye(at.size)[:, -1:]]) if stuck else hats
+    @property
+    def _stuck(self) -> int:
+        """Number of unknown sliders that no line moves."""
+        return len(self._places("kappa")) - self.nodes.size
 
     def sliders(self, values: Array) -> Sliders:
         """Return the sliders of the contact; of one, the mean over its groups."""
         if self.contact == "gradual":
-            return Sliders(self.r, self.spread @ values[self._places("kappa")])
+            return Sliders(self.r, values[self._places("kappa")])
         if self.contact == "none":
             return Sliders(np.empty(0), np.empty(0))
         F_k = float(np.mean(values[self._places(FRICTION)]))
@@ -222,7 +216,7 @@ class StiffnessProblem:
             if name in _LINEAR:
                 out[:, i] = stiffness_part(name, mode, self.k) * self.of.get(key, 1.0)
         if self.contact == "gradual":
-            out[:, self._places("kappa")] = secant(mode.X, self.r) @ self.spread
+            out[:, self._places("kappa")] = secant(mode.X, self.r)
         return out
 
     def law(self, values: Array, mode: StiffnessLines | None = None) -> Complexes:
@@ -253,15 +247,17 @@ class StiffnessProblem:
 
     @cached_property
     def roughness(self) -> Array:
-        """Second differences of κ r^{−1/2} over ln r by the unknowns, in units of the median column of a node."""
+        """Second derivatives of κ r^{−1/2} by ln r by the unknowns, in units of the median column of a node."""
         if self.contact != "gradual" or not self.smoothing:
             return np.zeros((0, len(self.start)))
-        nodes = self._places("kappa")[:NODES]
-        own = self.weighted(self.columns(self.lines)[:, self._places("kappa")], self.start.values)
+        n = self.nodes.size
+        nodes = self._places("kappa")[:n]
+        own = self.weighted(self.columns(self.lines)[:, nodes], self.start.values)
         size = float(np.median(np.linalg.norm(own, axis=0)))
-        rough = np.zeros((NODES - 2, len(self.start)))
-        second = np.diff(np.eye(NODES), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
-        rough[:, nodes] = self.smoothing * size * second
+        rough = np.zeros((n - 2, len(self.start)))
+        step = math.log(self.nodes[-1] / self.nodes[0]) / (n - 1)
+        second = np.diff(np.eye(n), 2, axis=0) * (self.nodes / self.nodes[-1]) ** -_GROWTH
+        rough[:, nodes] = self.smoothing * size / step**2 * second
         return rough
 
     def rows(self, values: Array) -> Array:
@@ -356,37 +352,41 @@ class StiffnessProblem:
         return np.asarray(self.start.free & ~(nodes & (values <= 0.0)))
 
     def by_rows(self, values: Array) -> Array:
-        """Return derivatives of the unknowns by the rows of the data in standard errors, (p, 2n)."""
+        """Return derivatives of the unknowns by the rows of the data in standard errors, and by those of the smoothing,
+        (p, 2n + s)."""
         used = self.used(values)
-        J, L = self.derivatives(values, used)[:, used], self.roughness[:, used]
+        J = np.vstack([self.derivatives(values, used), self.roughness])[:, used]
         size = np.linalg.norm(J, axis=0)
         size[size == 0.0] = 1.0
-        out = np.zeros((values.size, self.samples))
-        inverse = np.linalg.pinv(np.vstack([J, L]) / size)[:, : self.samples]
-        out[used] = inverse / size[:, None]
+        out = np.zeros((values.size, len(J)))
+        out[used] = np.linalg.pinv(J / size) / size[:, None]
         return out
 
-    def refitted(self, moved: Array) -> tuple[Array, Array]:
-        """Return the unknowns of fits to changed data, (b, p), and their residuals, (b, 2n); what is not solved for is
-        linear there.   moved : changes of the data in standard errors, (b, 2n)."""
-        here = self.start.values
-        nothing, smooth = (
-            np.where(self.solved, 0.0, here),
-            np.zeros((len(moved), len(self.roughness))),
-        )
-        J = self.slopes(here, self.start.free)
-        q = np.linalg.svd(J[:, np.any(J, axis=0)], full_matrices=False)[0]
-        A, y = self.rows(here), np.hstack([moved - self.residual(nothing), smooth])
-        n = self.samples
-        A[:n] -= q @ (q.T @ A[:n])
-        y[:, :n] -= (y[:, :n] @ q) @ q.T
-        columns, triangle = np.linalg.qr(A)
-        p = np.array([_nnls(triangle, on) for on in y @ columns])
-        values = np.tile(here, (len(moved), 1))
-        values[:, self.solved] = p
-        left = (moved - self.residual(nothing)) - p @ self.rows(here)[:n].T
-        values += left @ np.linalg.pinv(J).T
-        return values, (p @ A.T - y)[:, :n]
+    def covariance(self, values: Array) -> Array:
+        """Return the covariance of the unknowns, (p, p): a κ of zero may be that of a slider of little force."""
+        free = self.start.free
+        nodes = np.array(self.start.names) == "kappa"
+        J = [self.derivatives(values, free), self.roughness]
+        if nodes.any():
+            r, kappa = self.r, values[nodes]
+            none = np.flatnonzero(nodes)[kappa <= 0.0]
+            force = max(_LITTLE * float(np.sum(kappa)) * self.lines.X.min(), _SOFTEST)
+            J.append(np.eye(values.size)[none] * (r[kappa <= 0.0] / force)[:, None])
+        whole = np.vstack(J)[:, free]
+        size = np.linalg.norm(whole, axis=0)
+        size[size == 0.0] = 1.0
+        by = np.linalg.pinv(whole / size) / size[:, None]
+        covariance = np.zeros((values.size, values.size))
+        covariance[np.ix_(free, free)] = by @ by.T
+        return covariance
+
+    def unknowns(self, values: Array) -> float:
+        """Return the effective number of unknowns, tr ∂(model)/∂(data)."""
+        used = self.used(values)
+        if not self.smoothing:
+            return float(np.count_nonzero(used))
+        J = self.derivatives(values, used)
+        return float(np.sum(J.T * self.by_rows(values)[:, : self.samples]))
 
     def scatter(self, values: Array, freedom: Array | None = None) -> Array:
         """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of
@@ -396,13 +396,12 @@ class StiffnessProblem:
         larger of the two. Else Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part
         of the loss, and one of the measurement; by largest likelihood (multiplicative updates).
 
-        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns that are not
-        zero.
+        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns.
         """
         n = self.lines.X.size
         left = self.residual(values).reshape(2, n) * self.sigma
         if freedom is None:
-            freedom = np.full(2, max(n - 0.5 * np.count_nonzero(values[self.start.free]), 0.5))
+            freedom = np.full(2, max(n - 0.5 * self.unknowns(values), 0.5))
         share = n / freedom[:, None]
         if self.lines.error is not None:
             stated = np.broadcast_to(np.abs(self.lines.Z) * self.lines.error, (2, n))

@@ -20,6 +20,7 @@ from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..fit.contacts import ContactComparison, ContactFit, compare_contacts, fit_contact
+from ..fit.select import CLEAR
 from ..fit.stiffness_lines import Contact, StiffnessLines
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
@@ -33,6 +34,7 @@ from .answer import (
     Balance,
     Interval,
     ParameterEstimate,
+    averaged,
     covariance_of,
 )
 from .level import Column, Level
@@ -50,6 +52,11 @@ if TYPE_CHECKING:
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
 _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
+_WORDS = {
+    "none": "no contact",
+    "one slider": "one slider",
+    "gradual": "a contact that yields gradually",
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,21 +81,13 @@ class SteppedBasis:
         return _of_mode(self.lines, self.fits[found.answer.name])
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return which contact the lines support, by how each predicts levels that are left out; their sliders; the
-        tables."""
+        """Return the weights of the contacts, their sliders, and the tables."""
         compared: dict[str, Any] = {}
         if self.compared is not None:
             compared = {
                 "supported": self.compared.supported,
-                "probability_of_one_slider": self.compared.p,
-                "words": sentence(self.compared.finding, found.coordinate),
-                "levels": list(self.lines.names),
-                "loss_rms_of_each_level_left_out": {
-                    name: left.loss for name, left in self.compared.held_out.items()
-                },
-                "in_phase_rms_of_each_level_left_out_N_per_m": {
-                    name: left.in_phase for name, left in self.compared.held_out.items()
-                },
+                "weights": self.compared.weights,
+                "words": sentence(_supported(self.compared), found.coordinate),
             }
         return {
             "comparison": compared,
@@ -252,7 +251,7 @@ def identify_joint(
     # of tables that a base drives, the stiffness scales the force
     tested = all(of.by_force for of in tables)
     k_error = of["stiffness_standard_error_N_per_m"] or 0.0 if tested else math.inf
-    check, *implied = [*([compared.finding] if compared else []), *_rig(first, lines)]
+    check, *implied = [*([_supported(compared)] if compared else []), *_rig(first, lines)]
     unknown = {FRICTION: math.inf, "K_z": math.inf}
     unsure = compared is None and len(contacts) > 1
     uncompared = [Finding("two levels", effect=unknown)] if unsure else []
@@ -337,7 +336,7 @@ def _answer(
     if compared is not None and name != compared.supported:
         notes.append(Finding("another contact", {"contact": compared.supported}, UNBOUNDED))
     elif fit.problem.contact == "none":
-        notes.append(Finding("no contact", {"why": compared.finding} if compared else {}))
+        notes.append(Finding("no contact", {"why": _supported(compared)} if compared else {}))
     X, W, sliders = of.X, math.pi * of.X**2 * of.Z.imag, fit.sliders
     terms = {FRICTION: sliders.loss(X) / sliders.F_k} if sliders.F_k else {}
     terms |= {s: term(s).harmonic(of.omega, X, 0.0, 0.0, fit.value("k")) for s in fit.terms}
@@ -361,7 +360,10 @@ def _answer(
     bounded = [s for s, p in parameters.items() if math.isfinite(p.standard_error)]
     covariance = covariance_of(parameters, bounded, fit.covariance_of(*bounded))
     balance = Balance(rows, misfit.loss * W, names, {"frequency_Hz": hertz})
-    return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
+    answer = Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
+    if compared is not None and name == compared.supported:
+        answer = averaged(answer, compared.selection)
+    return replace(answer, parameters={s: _positive(p) for s, p in answer.parameters.items()})
 
 
 _SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
@@ -380,6 +382,28 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     if math.isinf(interval.high):
         return ParameterEstimate(math.inf, math.nan, interval)
     return ParameterEstimate(fit.value(symbol), fit.error(symbol), interval)
+
+
+def _positive(p: ParameterEstimate) -> ParameterEstimate:
+    """Return an estimate of what cannot be negative."""
+    return replace(p, interval=Interval(max(p.interval.low, 0.0), p.interval.high))
+
+
+def _supported(compared: ContactComparison) -> Finding:
+    """Return a finding on the contact that the lines support, by its weight."""
+    name, fit = compared.supported, compared.fits[compared.supported]
+    left = fit.problem.misfit(fit.point)
+    numbers: dict[str, Any] = {
+        "contact": _WORDS[fit.problem.contact],
+        "terms": fit.terms,
+        "loss": left.loss,
+        "stiffness": left.in_phase,
+        "weight": compared.weights[name],
+        "others": tuple(
+            other for other, w in compared.weights.items() if other != name and w > 1.0 - CLEAR
+        ),
+    }
+    return Finding("contact", numbers)
 
 
 def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:
