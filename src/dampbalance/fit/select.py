@@ -73,7 +73,14 @@ PRIORS: Mapping[str, Prior] = {
     "fading": Prior(0.03, 0.1, "F_k"),
     # contact
     "gradual": Prior(0.05, 0.5, "contact of Iwan", positive=True),
+    "gap": Prior(0.03, 0.1, "X", positive=True),
+    "knee": Prior(0.03, 0.5, "1/n of a rounded knee", positive=True),
+    "dahl": Prior(0.02, 1.0, "none: the knee is Dahl's or not"),
+    "fall": Prior(0.03, 0.15, "F_k, at rest", positive=True),
+    "rounded": Prior(0.02, 0.3, "largest speed", positive=True),
+    "each": Prior(0.03, 0.1, "F_k, of each record"),
     # spring and damper
+    "m": Prior(0.03, 0.1, "k over ω²", positive=True),
     "k_3": Prior(0.03, 0.02, "k over X²"),
     "c_2": Prior(0.03, 0.2, "c over ωX", positive=True),
 }
