@@ -6,12 +6,7 @@ import numpy as np
 import pytest
 
 from dampbalance.fit.loop_design import Design
-from dampbalance.fit.loops import (
-    fit_gradual,
-    fit_slider,
-    predicts_better,
-    slider,
-)
+from dampbalance.fit.loops import slider, weigh
 from dampbalance.signals.loops import Loop, corners, middles, turning_points
 
 F_K, K_Z, K, C, X, RATE = 10.0, 5e4, 300.0, 3.0, 1e-3, 500.0
@@ -41,7 +36,7 @@ def loop(x=SINE, *, seed=0, noise=0.01, c=C, gap=0.0, sign=1.0, contact=((K_Z, F
 def fitted(*loops, backlash=False):
     """One slider, or one with a dead band where it is there."""
     design = Design(loops)
-    return fit_slider(design) if backlash else slider(design)
+    return weigh(design).fit if backlash else slider(design)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.2, 0.5, 0.9])
@@ -105,7 +100,7 @@ def test_a_dead_band_is_named_where_it_is_and_nowhere_else():
 def test_a_triangle_does_not_determine_c():
     design = Design([loop(TRIANGLE)])
     assert not design.with_c
-    fit = fit_slider(design)
+    fit = weigh(design).fit
     assert fit.value("F_k") == pytest.approx(F_K + C * 4.0 * X, rel=0.01)
     assert fit.value("K_z") == pytest.approx(K_Z, rel=0.05)
 
@@ -114,7 +109,7 @@ def test_two_speeds_of_a_triangle_determine_c():
     slow = np.interp(0.5 * T, T, TRIANGLE)
     design = Design([loop(TRIANGLE, c=300.0), loop(slow, c=300.0, seed=1)])
     assert design.with_c
-    fit = fit_slider(design)
+    fit = weigh(design).fit
     assert fit.value("c") == pytest.approx(300.0, rel=0.05)
     assert fit.value("F_k") == pytest.approx(F_K, rel=0.02)
 
@@ -122,15 +117,15 @@ def test_two_speeds_of_a_triangle_determine_c():
 def test_many_sliders_are_chosen_where_there_are_many():
     contact = [(1e4, 1e-5 * 60 * 0.7**j) for j in range(8)]
     design = Design([loop(contact=contact)])
-    gradual = fit_gradual(design)
-    assert predicts_better(gradual, fit_slider(design))
+    weighed = weigh(design)
+    gradual = weighed.fit
+    assert weighed.names == ("gradual",)
     assert gradual.value("F_k") == pytest.approx(sum(a * r for a, r in contact), rel=0.02)
     assert gradual.value("K_z") == pytest.approx(8e4, rel=0.05)
 
 
 def test_one_slider_is_kept_where_there_is_one():
-    design = Design([loop()])
-    assert not predicts_better(fit_gradual(design), fit_slider(design))
+    assert weigh(Design([loop()])).names == ()
 
 
 def test_a_contact_that_only_sticks_has_no_friction_force():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -22,6 +23,7 @@ _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference 
 ZERO = 1e-300  # beside what may be zero
 # part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
 _BETWEEN, _STEADY = 0.8, 0.1
+_APART = 100  # part of a cycle, from which on samples of noise are independent
 _INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
 
 
@@ -97,6 +99,27 @@ class Design:
         """Return the sum of squares of each block, (blocks,)."""
         return np.array([left[own] @ left[own] for own in self.own])
 
+    def shared(self, left: Array) -> float:
+        """Return the mean square of what of a residual is certainly no white noise, N²: samples a hundredth of a cycle
+        apart share it."""
+        apart = max(1, left.size // (self.ends.size - 1) // _APART)
+        same = self.cycle[apart:] == self.cycle[:-apart]
+        product = float(np.mean((left[apart:] * left[:-apart])[same]))
+        return max(0.0, product - 2.0 * float(np.mean(left**2)) / math.sqrt(left.size))
+
+    def patterns(self, count: int, points: int) -> Array:
+        """Return patterns that all cycles of a record share, each with either sign, (2 count, n): lines between random
+        points of unit size.   points : in a cycle."""
+        draw = np.random.default_rng(1).normal(size=(count, len(self.loops), points))
+        phase = np.concatenate([np.linspace(0.0, points, of) for of in np.diff(self.ends)])
+        cycles = [loop.cycles for loop in self.loops]
+        record = np.repeat(np.arange(len(cycles)), cycles)[self.cycle]
+        before, part = phase.astype(int) % points, phase % 1.0
+        after = (before + 1) % points
+        lines = (1.0 - part) * draw[:, record, before] + part * draw[:, record, after]
+        # the mean square of a line between two of them is two thirds
+        return self.centred(np.concatenate([lines, -lines]) * math.sqrt(1.5))
+
     @cached_property
     def with_c(self) -> bool:
         """Whether the speed between reversals is known, and varies so much that c is told from friction."""
@@ -120,7 +143,8 @@ class Design:
 
         curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
         inertia = self.timed and independent(self.motions["m"], [*self.base])
-        open_to = {"gap": True, "fall": curved, "knee": True, "c_2": curved, "m": inertia}
+        open_to = {"gap": True, "fall": curved, "knee": True, "dahl": True, "rounded": self.with_c}
+        open_to |= {"c_2": curved, "m": inertia}
         return tuple(name for name in open_to if open_to[name])
 
     def linear(self, names: Sequence[str]) -> Array:

@@ -3,12 +3,13 @@
     f = Σ κ_j z_j + k x + c ẋ + c_2 ẋ|ẋ| + m ẍ + drift t + offsets,      ż_j = ẋ while |z_j| < r_j, else z_j = ±r_j
 
 One slider, that of the paper, has κ = K_z and r = Z_m = F_k/K_z; a gradual contact has many, whose forces are linear
-and not negative. One slider may be extended by a gap in series, by a friction force that falls with the speed, or by a
-rounded knee (`law/contact.py`), by a quadratic damper and by a mass.
+and not negative. One slider may be extended by a gap in series, a friction force that falls with the speed, a rounded
+knee, Dahl's, or a force of the speed alone (`law/contact.py`), by a quadratic damper and by a mass. A contact that
+slips at other forces one way and the other is one slider with another offset.
 
 Each record has a drift, and each cycle an offset of its own. The search starts at the best of a grid of the r, g,
-n, rise and w in which the force is not linear, by the least squares of all others. An extension is kept where it
-predicts blocks of cycles that are left out clearly better. Stick-slip noise and ripple are no white noise: errors come
+n, rise and w in which the force is not linear, by the least squares of all others. Contacts are weighed by how they
+predict blocks of cycles that are left out. Stick-slip noise and ripple are no white noise: errors come
 from the scatter between blocks.
 """
 
@@ -18,7 +19,7 @@ import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -42,6 +43,7 @@ from .loop_design import (
 )
 from .multistart import Trail, climb_on
 from .parameters import Parameter, Parameters
+from .select import PRIORS, Candidate, Selection, select
 
 _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
@@ -50,13 +52,8 @@ _STEP = 1e-4  # of a parameter of the shape, of a difference quotient
 _KNEE = 0.98  # of F_k: a rounded knee counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
-# of a scatter between blocks alone, below which another contact predicts them better
-_P_SIMPLER = 0.01
-_P_EXTENDED = 0.002  # for five extensions, each of which may win by chance
-_LESS = 0.05  # of the sum of squares: an extension that takes less does not matter, however certain it is
-_P_CONSTANT = 0.001  # for three laws of speed of a contact of many sliders
-_APART = 100  # part of a cycle, from which on samples of noise are independent
-_STRIBECK = (0.1, 0.3, 0.7)  # speeds at which friction has fallen, over the largest one
+_INDEPENDENT = 20  # values in what is left beyond the noise of a cycle of a record
+_REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
 _EXACT = 1e-7  # of the force: what rounding leaves of a residual
 _ROUNDS, _STAYS = 4, 0.01  # of climbs, each to within what is left, until one gains less of it
 _LEAST = 0.02  # F_k over F, of a friction that falls to nothing
@@ -65,11 +62,16 @@ EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "gap": {"g": (0.03, 0.1, 0.2, 0.3)},
     "fall": {"rise": (-2.0, -1.0), "w": (2.0, 11.0, 100.0)},
     "knee": {"n": (1.0, 3.0)},
+    "dahl": {},
+    "rounded": {"v_0": (0.01, 0.1, 0.3, 1.0)},
     "c_2": {},
     "m": {},
 }
 """Extensions of one slider by name: the parameters of its shape that become free, and where their search starts, g over
-X and see `SliderProblem`."""
+X, v_0 over the largest speed, and see `SliderProblem`."""
+
+_KNEES = {"knee", "dahl", "rounded"}  # of which there is one
+_KEYS = ("F_k", "c", "rho")
 
 _FIRST = tuple(np.geomspace(0.004, 1.0, 20).tolist())  # r/X, where the search begins
 _AROUND = 0.4, 0.6, 0.75, 0.9, 1.0, 1.15  # of r before, where the search of an extension begins
@@ -85,10 +87,26 @@ class LoopProblem:
     design: Design
     linear: tuple[str, ...]
 
+    def contact(self, values: Array) -> Sliders:
+        """Return the contact with these values of the parameters."""
+        raise NotImplementedError
+
     @cached_property
     def rows(self) -> Array:
         """The rows of spring, drifts and linear terms, (p, n)."""
         return self.design.linear(self.linear)
+
+    def drawn(self, values: Array, left: Array) -> Array:
+        """Return by how much data less model change with other drawings of what is wrong with both, N, (draws, n): the
+        noise of the displacement, and what is left in all cycles beyond it, of which few values are independent."""
+        contact, k, design = self.contact(values), values[-len(self.rows)], self.design
+        drawn = [
+            design.stacked([force_of(contact, one) + k * one.x for one in loops])
+            for loops in (design.loops, *zip(*(one.drawn for one in design.loops), strict=True))
+        ]
+        of_x = design.centred(np.array(drawn[1:]) - drawn[0])
+        size = math.sqrt(max(0.0, design.shared(left) - float(np.mean(of_x**2))))
+        return of_x + size * design.patterns(len(of_x) // 2, _INDEPENDENT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,15 +122,18 @@ class SliderProblem(LoopProblem):
     @cached_property
     def parameters(self) -> Parameters:
         """The parameters before anything is known of them."""
-        X, design = self.design.X, self.design
+        X, v, design = self.design.X, self.design.fastest, self.design
         shape = {
             "r": Parameter("r", X, 1e-3 * X, 3.0 * X, scale=1e-3 * X),
             "g": Parameter("g", 0.0, 0.0, scale=X),
             "rise": Parameter("rise", 0.0, -7.0, 5.0),
             "w": Parameter("w", 1.0, 0.44, 1e3),
             "n": Parameter("n", 3.0, 0.5, 30.0),
+            "v_0": Parameter("v_0", v, 1e-3 * v, 10.0 * v, scale=1e-3 * v),
         }
-        free = ["r", *(name for of in self.extensions for name in EXTENSIONS[of])]
+        # a force of the speed alone has no deflection
+        free = ["r"] * ("rounded" not in self.extensions)
+        free += [name for of in self.extensions for name in EXTENSIONS[of]]
         friction = Parameter("F", 0.0, scale=FEW * float(np.std(design.f)))
         own = [friction, *(shape[name] for name in free), *design.parameters(self.linear)]
         return Parameters.of(own)
@@ -125,7 +146,8 @@ class SliderProblem(LoopProblem):
     def contact(self, values: Array) -> Sliders:
         """Return the contact with these values of the parameters."""
         of = dict(zip(self.parameters.names[self.shape], values[self.shape].tolist(), strict=True))
-        r, fallen = np.array([of.pop("r")]), 1.0  # F_k/F
+        r, fallen = np.array([of.pop("r", self.design.X)]), 1.0  # F_k/F
+        of |= {"n": 0.0} if "dahl" in self.extensions else {}
         if "rise" in of:
             w = of.pop("w")
             rise = math.exp(min(of.pop("rise"), w - _LEAST))
@@ -166,9 +188,11 @@ class SliderProblem(LoopProblem):
         last extension."""
         design, all_of = self.design, self.parameters
         found = all_of.moved(**{of.key: of.value for of in near or () if of.key in all_of})
-        grids = {"r": [found["r"].value * one for one in (_AROUND if near else _FIRST)]}
+        around = _AROUND if near else _FIRST
+        grids = {of: [found[of].value * one for one in around] for of in ("r",) if of in found}
         for name, some in (EXTENSIONS[self.extensions[-1]] if near else {}).items():
-            grids[name] = [one * (design.X if name == "g" else 1.0) for one in some]
+            unit = {"g": design.X, "v_0": design.fastest}.get(name, 1.0)
+            grids[name] = [one * unit for one in some]
         Q = np.linalg.qr(self.rows.T)[0]
         f = design.f - Q @ (Q.T @ design.f)
 
@@ -201,8 +225,9 @@ class SliderProblem(LoopProblem):
         values, slopes = start.values, self.slopes(start.values)
         left = self.left(values, slopes)
         without = values + without_each_block(design, slopes, left)
-        without = np.clip(without, limits.low, limits.high)
-        return LoopFit.of(self, start, slopes, left, without)
+        drawn = np.linalg.lstsq(slopes.T, self.drawn(values, left).T)[0].T
+        without, drawn = (np.clip(of, limits.low, limits.high) for of in (without, values - drawn))
+        return LoopFit.of(self, start, slopes, left, without, drawn)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +278,9 @@ class GradualProblem(LoopProblem):
         values = solution(G, y)
         left_out = [solution(G - g, y - s) for g, s in zip(grams, sides, strict=True)]
         left = design.f - values @ columns
-        return LoopFit.of(self, self.parameters.at(values), columns, left, np.array(left_out))
+        drawn = [solution(G, y - A @ of) for of in self.drawn(values, left)]
+        others = np.array(left_out), np.array(drawn)
+        return LoopFit.of(self, self.parameters.at(values), columns, left, *others)
 
 
 @dataclass(frozen=True, eq=False)
@@ -277,12 +304,18 @@ class LoopFit(Fit):
         slopes: Array,
         left: Array,
         without: Array,
+        drawn: Array,
     ) -> LoopFit:
-        """Return the fit at parameters with the slopes of the model there.   without : values without each block."""
+        """Return the fit at parameters with the slopes of the model there.
+
+        without : values without each block, (blocks, p).   drawn : with other noise of the displacement, (draws, p).
+        """
 
         def extended(values: Array) -> Parameters:
             contact = problem.contact(values)
-            more = {"F_k": contact.F_k, "K_z": contact.K_z}
+            K_z = 0.0 if contact.v_0 else contact.K_z
+            more = {"F_k": contact.F_k, "K_z": K_z, "rho": K_z**-0.5 if K_z > 0.0 else 0.0}
+            more |= {} if "c" in parameters else {"c": 0.0}
             if "rise" in parameters:
                 more |= {"F_S": contact.fall * contact.F_k, "v_S": contact.v_S}
             derived = [Parameter(name, value) for name, value in more.items()]
@@ -290,10 +323,15 @@ class LoopFit(Fit):
 
         others = [extended(values) for values in without]
         pairs = zip(without - parameters.values, problem.design.own, strict=True)
+        # a drawing moves the numbers as the noise that was there did: by its mean, and by its scatter
+        of_x = np.array([extended(values).values for values in drawn])
+        off, limits = of_x - of_x.mean(axis=0), parameters.limits
+        moved = np.clip(2.0 * parameters.values - drawn.mean(axis=0), limits.low, limits.high)
         return cls(
-            parameters=extended(parameters.values),
-            covariance=jackknifed([np.array([of.values for of in others]).T]),
-            chi_square=float(left @ left),
+            parameters=extended(moved),
+            covariance=jackknifed([np.array([of.values for of in others]).T])
+            + off.T @ off / len(off),
+            chi_square=problem.design.blocks - 1,  # by the scatter between blocks
             freedom=problem.design.blocks - 1,
             problem=problem,
             left=left,
@@ -335,17 +373,18 @@ class LoopFit(Fit):
     @property
     def rms(self) -> float:
         """Root mean square of the residual, N."""
-        return math.sqrt(self.chi_square / self.left.size)
+        return float(np.sqrt(np.mean(self.left**2)))
+
+    @property
+    def noise(self) -> float:
+        """Mean square of the noise of a sample, N², with what is left in all cycles as one of few values."""
+        few = _INDEPENDENT * len(self.design.loops)
+        return self.rms**2 + self.beyond_noise**2 * self.left.size / few
 
     @property
     def beyond_noise(self) -> float:
-        """Root mean square of what of the residual is certainly no white noise, N: samples a hundredth of a cycle apart
-        share it."""
-        cycle, left = self.design.cycle, self.left
-        apart = max(1, left.size // (int(cycle.max()) + 1) // _APART)
-        same = cycle[apart:] == cycle[:-apart]
-        shared = float(np.mean((left[apart:] * left[:-apart])[same]))
-        return math.sqrt(max(0.0, shared - 2.0 * self.rms**2 / math.sqrt(left.size)))
+        """Root mean square of what of the residual is certainly no white noise, N."""
+        return math.sqrt(self.design.shared(self.left))
 
     @property
     def wrong_loss(self) -> float:
@@ -387,25 +426,54 @@ def slider(
 
 
 @one_thread
-def fit_slider(design: Design, *, backlash: bool = True) -> LoopFit:
-    """Fit one slider, and extend it as long as an extension predicts cycles that are left out clearly better."""
-    fit, open_to = slider(design), [of for of in design.extensions if backlash or of != "gap"]
-    while open_to:
-        fits = {of: slider(design, (*fit.problem.extensions, of), fit) for of in open_to}
-        better = [
-            name
-            for name, of in fits.items()
-            if min(of.value(s) for s in ("F_k", "F_S", "c_2", "m") if s in of.parameters) > 0.0
-            and of.slips >= fit.slips
-            and of.chi_square < (1.0 - _LESS) * fit.chi_square
-            and predicts_better(of, fit, _P_EXTENDED)
-        ]
-        if not better:
-            break
-        first = min(better, key=lambda name: float(fits[name].predicted.sum()))
-        fit = fits[first]
-        open_to.remove(first)
-    return fit
+def weigh(design: Design, *, backlash: bool = True) -> Selection:
+    """Weigh one slider against its extensions, against many sliders, and against a friction of each record of its own;
+    the evidence comes from blocks of cycles that are left out, see `_evidence`."""
+    gradual = fit_gradual(design)
+
+    def extended(fit: LoopFit, names: tuple[str, ...]) -> list[Candidate]:
+        others = {"each": None if "each" in names else _with_own_forces(fit)}
+        others |= {} if names else {"gradual": gradual}
+        if not {"gradual", "each"} & {*names}:
+            knees = _KNEES if _KNEES & {*names} else set()
+            closed = {*names, *knees, *(["gap"] if not backlash else [])}
+            own = fit.problem.extensions
+            others |= {
+                of: slider(design, (*own, of), fit) for of in design.extensions if of not in closed
+            }
+        ends = {of: end for of, end in others.items() if end is not None and _possible(end, fit)}
+        best = min([fit, *ends.values()], key=lambda one: float(one.predicted.sum()))
+
+        def evidence(end: LoopFit) -> float:
+            return _evidence(end, best) - _evidence(fit, best)
+
+        return [Candidate(of, PRIORS[of], partial(ends.get, of), None, evidence) for of in ends]
+
+    fit = slider(design)
+    return select(fit, extended(fit, ()), _KEYS, further=extended)
+
+
+def _possible(end: LoopFit, fit: LoopFit) -> bool:
+    """Return whether an extended fit has positive forces and masses, and slips where the one before does."""
+    sizes = [end.value(s) for s in ("F_k", "F_S", "c_2", "m") if s in end.parameters]
+    return min(sizes) > 0.0 and end.slips >= fit.slips
+
+
+def _evidence(fit: LoopFit, best: LoopFit) -> float:
+    """Return ln of the likelihood of the sums of squares of blocks that are left out, over that of the best fit:
+
+        −½ B ln(1 + t²/(B − 1)),      t = d̄ √B/s
+
+    of the differences d of B blocks, whose scatter s knows that a residual is no white noise; but no more than −½ Σ d
+    over the noise, where what the best fit leaves in all cycles counts as one of few values.
+    """
+    worse, blocks = fit.predicted - best.predicted, fit.design.blocks
+    total = float(worse.sum())
+    if fit is best or total <= 0.0:
+        return 0.0
+    t2 = total**2 / blocks / max(float(np.var(worse, ddof=1)), ZERO)
+    by_blocks = 0.5 * blocks * math.log1p(t2 / (blocks - 1.0))
+    return -min(by_blocks, 0.5 * total / best.noise)
 
 
 @one_thread
@@ -417,46 +485,24 @@ def fit_gradual(
     return GradualProblem(design, linear, design.X * np.geomspace(*within, count)).fitted()
 
 
-def _further(fit: LoopFit, choices: Sequence[Sequence[Array]]) -> Array | None:
-    """Return the coefficients of further columns, (c,), with the linear ones left free, of the choice that predicts
-    blocks that are left out best, if clearly better than the fit."""
-    design, found, best = fit.design, None, float(fit.predicted.sum())
-    for columns in choices:
-        A = np.array([*design.centred(np.array(columns)), *fit.problem.rows])
-        p = np.linalg.lstsq(A.T, fit.left)[0]
-        rest = fit.left - p @ A
-        out = zip(without_each_block(design, A, rest), design.own, strict=True)
-        ahead = design.by_block(rest - np.concatenate([of @ A[:, own] for of, own in out]))
-        if _less(ahead, fit.predicted, _P_CONSTANT) and ahead.sum() < best:
-            found, best = p[: len(columns)], ahead.sum()
-    return found
-
-
-@one_thread
-def fall_with_speed(fit: LoopFit) -> tuple[float, float]:
-    """Return by which part of F_k the friction is larger at rest than at speed, negative for a rise, where a term
-    F_k e^{−(ẋ/v_S)²} predicts blocks that are left out clearly better (Stribeck), and by which part F_k changes then;
-    else zeros."""
-    force, part_of = fit.design.forces(fit.contact), fit.design.v / fit.design.fastest
-    fallen = [force * np.exp(-((part_of / part) ** 2)) for part in _STRIBECK]
-    found = _further(fit, [[of, force] for of in fallen])
-    return (0.0, 0.0) if found is None else (float(found[0]), float(found[1]))
-
-
-@one_thread
-def different_forces(fit: LoopFit) -> Array:
-    """Return the friction force of each record over their mean where one of its own predicts blocks that are left out
-    clearly better, (loops,); else ones."""
-    design, contact, loops = fit.design, fit.contact, fit.design.loops
-    same = np.ones(len(loops))
-    if same.size == 1 or not fit.slips:
-        return same
-    slope = design.stacked([slope_of(contact, loop) for loop in loops])
-    number = np.repeat(np.arange(same.size), [loop.own.size for loop in loops])
-    slopes = [np.where(number == i, slope, 0.0) for i in range(same.size)]
-    found = _further(fit, [[*slopes, design.forces(contact)]])
-    forces = same if found is None else 1.0 + found[: same.size]
-    return np.asarray(forces / forces.mean()) if forces.min() > 0.0 else same
+def _with_own_forces(fit: LoopFit) -> LoopFit | None:
+    """Return the fit with a friction force of each record of its own; None of one record."""
+    if len(fit.design.loops) < 2 or not fit.slips:
+        return None
+    for _ in range(_REFITS):
+        design, contact, loops = fit.design, fit.contact, fit.design.loops
+        slope = design.stacked([slope_of(contact, loop) for loop in loops])
+        number = np.repeat(np.arange(len(loops)), [loop.own.size for loop in loops])
+        slopes = [np.where(number == i, slope, 0.0) for i in range(len(loops))]
+        columns = np.array([*slopes, design.forces(contact), *fit.problem.rows])
+        columns[: len(loops) + 1] = design.centred(columns[: len(loops) + 1])
+        loads = 1.0 + np.linalg.lstsq(columns.T, fit.left)[0][: len(loops)]
+        if loads.min() <= 0.0:
+            return None
+        pairs = zip(loops, loads / loads.mean(), strict=True)
+        design = Design([replace(loop, load=loop.load * float(of)) for loop, of in pairs])
+        fit = replace(fit.problem, design=design).fitted(fit.parameters)
+    return fit
 
 
 @lru_cache(maxsize=4)  # asked for by the intervals, the report and the document
@@ -465,18 +511,3 @@ def with_late_motion(fit: LoopFit, late: float) -> LoopFit:
     design = Design([replace(of, f=np.interp(of.t + late, of.t, of.f)) for of in fit.design.loops])
     late_fit: LoopFit = replace(fit.problem, design=design).fitted(fit.parameters)
     return late_fit
-
-
-def _less(one: Array, other: Array, p: float) -> bool:
-    """Return whether sums of squares of blocks are smaller than others, by the scatter of their differences."""
-    from scipy.stats import t as student  # slow to import
-
-    less = other - one
-    error = float(np.std(less, ddof=1)) / math.sqrt(less.size)
-    return bool(student.sf(less.mean() / max(error, 1e-300), less.size - 1) < p)
-
-
-def predicts_better(one: LoopFit, other: LoopFit, p: float = _P_SIMPLER) -> bool:
-    """Return whether a fit predicts blocks of cycles that are left out better than another one does, by the scatter of
-    the differences between blocks.   p : probability of a scatter alone."""
-    return _less(one.predicted, other.predicted, p)

@@ -22,13 +22,11 @@ from ..fit.loops import (
     SLIDERS,
     WITHIN,
     LoopFit,
-    different_forces,
-    fall_with_speed,
     fit_gradual,
-    fit_slider,
-    predicts_better,
+    weigh,
     with_late_motion,
 )
+from ..fit.select import Selection, select
 from ..law.terms import FRICTION
 from ..project.options import LoopOptions, Stated, with_options
 from ..project.wording import listed
@@ -58,16 +56,12 @@ if TYPE_CHECKING:
 
     from ..records.measured import RecordLike
 
-# of F_k: the steps between the sliders of a gradual contact leave a tenth of it. What more falls with the speed trades
-# with c, and its true size is not known from a fall that is seen
-_FALLS = 0.005
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 _NO_SLIDER = 0.2  # of F_k or of the loss, from which on a residual bounds no number of the fit
 _DIFFER = 0.002  # of F_k, between records: less does not matter
-_REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
 MOST_SAMPLES = 60_000
 """Samples that a contact is fitted to; of longer records runs of cycles are."""
 
@@ -208,7 +202,7 @@ def loop_sliders(found: Result[LoopBasis]) -> dict[str, Array]:
     """
     fits = found.basis.fits
     fit = fits[found.answer.name]
-    fit = fit if math.isinf(fit.contact.n) else fits["gradual"]
+    fit = fit if fit.contact.plain else fits["gradual"]
     own = fit.contact.kappa > 0.0
     return {"r": fit.contact.r[own], "kappa": fit.contact.kappa[own]}
 
@@ -331,23 +325,16 @@ def identify_loops(
     normal = None if N is None else (N, of["normal_force_standard_error_N"])
     loops, measured, odd = read_loops(read, of["fixture_stiffness_N_per_m"], of["skip_cycles"])
     normal = normal or measured
-    fits, forces = _fits(loops, backlash), np.ones(len(loops))
-    for _ in range(_REFITS * bool(fits)):
-        more = different_forces(next(iter(fits.values())))
-        if np.ptp(more) < _DIFFER:
-            break
-        pairs, forces = zip(loops, more.tolist(), strict=True), forces * more
-        loops = tuple(replace(loop, load=loop.load * of) for loop, of in pairs)
-        fits = _fits(loops, backlash)
-    scatter = float(np.std(forces, ddof=1)) if len(loops) > 1 else 0.0
-    answers = {name: _answer(name, fit, loops, fits, scatter) for name, fit in fits.items()}
+    weighed = _weighed(loops, backlash)
+    fits = {name: one.fit for name, one in weighed.items()}
+    answers = {name: _answer(name, one, loops, fits) for name, one in weighed.items()}
     first = next(iter(fits.values()), None)
     found = Result(
         basis=LoopBasis(loops, fits, normal),
         k=math.nan,
         sources=tuple(record.name for record in read),
         estimates=answers or {"one slider": _unfitted(loops)},
-        odd=(*odd, *_warned(loops, first)),
+        odd=(*odd, *_warned(loops)),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
             f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
@@ -365,8 +352,9 @@ def identify_loops(
     return replace(found, check=[*(found.check or ()), Finding("friction coefficient", of)])
 
 
-def _fits(loops: Sequence[Loop], backlash: bool) -> dict[str, LoopFit]:
-    """Return the fits of one slider and of many by name, the one that predicts better first; none to too few cycles.
+def _weighed(loops: Sequence[Loop], backlash: bool) -> dict[str, Selection]:
+    """Return all contacts with their weights by the name of the heaviest, and after it the best of the other kind, one
+    slider or many; none to too few cycles.
 
     Of long records cycles in runs are fitted, of all records together.
     """
@@ -377,10 +365,10 @@ def _fits(loops: Sequence[Loop], backlash: bool) -> dict[str, LoopFit]:
     share = MOST_SAMPLES / sum(own.size for own in samples)
     runs = math.ceil(MOST_BLOCKS / len(loops))
     design = Design(settled if share >= 1.0 else [loop.excerpt(share, runs) for loop in settled])
-    slider, gradual = fit_slider(design, backlash=backlash), fit_gradual(design)
-    if predicts_better(gradual, slider):
-        return {"gradual": gradual, "one slider": slider}
-    return {"one slider": slider, "gradual": gradual}
+    found = weigh(design, backlash=backlash)
+    if "gradual" in found.names:
+        return {"gradual": found, "one slider": select(found.plain, [], found.keys)}
+    return {"one slider": found, "gradual": select(fit_gradual(found.fit.design), [], found.keys)}
 
 
 def _unfitted(loops: Sequence[Loop]) -> Answer:
@@ -403,14 +391,15 @@ def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
 
 
 def _answer(
-    name: str, fit: LoopFit, loops: Sequence[Loop], fits: Mapping[str, LoopFit], scatter: float
+    name: str, weighed: Selection, loops: Sequence[Loop], fits: Mapping[str, LoopFit]
 ) -> Answer:
-    """Return the answer of a contact: its numbers with intervals, and the rows of its cycles.
+    """Return the answer of the contacts that were weighed: its numbers with intervals, and the rows of its cycles.
 
-    fits : of all contacts.   scatter : standard deviation of the friction between records over their mean.
+    fits : of all answers.
     """
     from scipy.stats import t as student  # slow to import
 
+    fit: LoopFit = weighed.fit
     notes, design, slider = list[Finding](), fit.design, fits["one slider"]
     # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers; and
     # one slider what yielding does to c
@@ -422,27 +411,35 @@ def _answer(
             *(fit_gradual(design, within=w) for w in fewer),
         ]
 
+    loads = [one.load / of.load for one, of in zip(fit.design.loops, loops, strict=True)]
+    errors = np.sqrt(np.diag(weighed.covariance))
+    numbers = dict(zip(weighed.keys, zip(weighed.values, errors, strict=True), strict=True))
+
     def estimate(symbol: str) -> ParameterEstimate:
-        if not fit.slips or symbol not in fit.parameters:
+        key = "rho" if symbol == "K_z" else symbol
+        value, error = map(float, numbers[key])
+        if not fit.slips or not (error > 0.0 and (value > 0.0 or symbol == "c")):
             return UNKNOWN
-        value, error, (low, high) = fit.value(symbol), fit.error(symbol), fit.interval(symbol)
-        if not (error > 0.0 and high > 0.0 if symbol == "c" else value > 0.0):
-            return UNKNOWN
-        if symbol == "K_z" and low <= 0.0:  # of 1/K_z, which rather has a normal distribution
-            low, high = value**2 / high, math.inf
-        known = ParameterEstimate(value, error, Interval(low, high))
         compared = [*others, slider] if symbol == "c" and others else others
-        off = max((abs(other.value(symbol) - value) for other in compared), default=0.0)
+        off = max((abs(other.value(key) - value) for other in compared), default=0.0)
         # other choices bound it, as a rectangular distribution (GUM 4.3.7); further records have other frictions
+        reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom)) * error
+        known = ParameterEstimate(value, error, Interval(value - reach, value + reach))
         known = known.wider(off / math.sqrt(3.0))
-        if scatter and symbol == FRICTION:
-            of_mean = scatter / math.sqrt(len(loops))
+        if np.ptp(loads) and symbol == FRICTION:
+            of_mean = float(np.std(loads, ddof=1)) / math.sqrt(len(loops))
             t = float(student.ppf(0.5 + 0.5 * CONFIDENCE, len(loops) - 1))
             known = known.wider(value * of_mean * t / NORMAL_95)
+        low, high = known.interval
+        if symbol == "c":
+            return known if high > 0.0 else UNKNOWN
+        if symbol == "K_z":  # of K_z^{−1/2}, which rather has a normal distribution
+            ends = Interval(high**-2, low**-2 if low > 0.0 else math.inf)
+            return ParameterEstimate(value**-2, 2.0 * known.standard_error * value**-3, ends)
         return known
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
-    c, c_error = (fit.value("c"), fit.error("c")) if "c" in fit.parameters else (0.0, 0.0)
+    c, c_error = map(float, numbers["c"])
     shape = [*_other_shape(fit)]
     if not fit.slips:
         shape = shape or [Finding("loops stick")]
@@ -473,21 +470,17 @@ def _answer(
     if "g" in fit.parameters:
         merit |= {"gap_m": 2.0 * fit.value("g"), "gap_standard_error_m": 2.0 * fit.error("g")}
     symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
-    covariance = covariance_of(parameters, symbols, fit.covariance_of(*symbols))
+    at = [weighed.keys.index("rho" if s == "K_z" else s) for s in symbols]
+    slopes = [-2.0 * numbers["rho"][0] ** -3 if s == "K_z" else 1.0 for s in symbols]
+    known = weighed.covariance[np.ix_(at, at)] * np.outer(slopes, slopes)
+    covariance = covariance_of(parameters, symbols, known)
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
-def _warned(loops: Sequence[Loop], fit: LoopFit | None) -> Iterator[Finding]:
-    """Yield findings on the sign of the force, and on what no contact of the model explains."""
+def _warned(loops: Sequence[Loop]) -> Iterator[Finding]:
+    """Yield a finding on the sign of the force."""
     if flipped := [loop.name for loop in loops if loop.flipped]:
         yield Finding("flipped", {"records": listed(flipped)})
-    if not (fit and fit.slips):
-        return
-    many = fit.contact.r.size > 1  # the friction of one slider may fall with the speed
-    fall, shift = fall_with_speed(fit) if many and fit.design.timed else (0.0, 0.0)
-    if abs(fall) > _FALLS:
-        effect = {"": math.inf if fall > 0.0 else max(-fall, abs(shift)), "c": math.inf}
-        yield Finding("falls", {"by": abs(fall), "larger": bool(fall > 0.0)}, effect)
 
 
 def _other_shape(fit: LoopFit) -> Iterator[Finding]:
@@ -516,8 +509,8 @@ def _rig(
     fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, settled))
     if fitted < total:
         yield Finding("excerpt", {"fitted": fitted, "all": total, "runs": MOST_BLOCKS})
-    if np.ptp([loop.load for loop in loops]) > _DIFFER:
-        forces = tuple((fit.value(FRICTION) * one.load, one.name) for one in loops)
+    if np.ptp([loop.load for loop in fit.design.loops]) > _DIFFER:
+        forces = tuple((fit.value(FRICTION) * one.load, one.name) for one in fit.design.loops)
         N = normal[0] if normal and loops[0].N is not None else 0.0
         yield Finding("friction of each", {"forces": forces, "N": N})
     measured = {key: (fit.value(key), fit.error(key)) for key in fit.parameters.keys}

@@ -18,6 +18,9 @@ In a given motion an element may be extended:
 - a rounded knee of sharpness n, the slider for n → ∞ (Bouc; Wen 1976, J. Eng. Mech. Div. 102, 249, with β = γ):
 
     dz/dx = 1 − |z/r|ⁿ  where |z| grows,  1 where it falls
+
+- its exponential, dz/dx = 1 − (z/r) sgn ẋ in either direction (Dahl 1968), for which n = 0 stands;
+- a force of the speed alone, r κ tanh(ẋ/v_0), as fluids with a yield stress have it.
 """
 
 from __future__ import annotations
@@ -57,6 +60,8 @@ def _moved(z: float, dx: float, r: float, n: float) -> float:
     if math.isinf(n):
         return min(max(z + dx, -r), r)
     way = math.copysign(1.0, dx)
+    if n == 0.0:
+        return way * r + (z - way * r) * math.exp(-abs(dx) / r)
     back = min(abs(z), abs(dx)) if z * way < 0.0 else 0.0
     # a step of fourth order, 0.1 r, around a rounded knee: its error is 1e-6
     steps = 1 + int((abs(dx) - back) / (0.1 * r))
@@ -115,7 +120,7 @@ class Sliders:
 
     r : deflections at which they slip, m, (j,).   kappa : stiffnesses, N/m, (j,).   g : half width of a gap in series,
     m.   fall, v_S : F_S/F_k and speed, m/s, of a friction that falls with it.   n : sharpness of the knee, ∞ of a
-    slider.
+    slider, 0 of Dahl's.   v_0 : speed that rounds a friction of the speed alone, m/s; 0 of all others.
     """
 
     r: Array
@@ -124,6 +129,12 @@ class Sliders:
     fall: float = 0.0
     v_S: float = 1.0
     n: float = math.inf
+    v_0: float = 0.0
+
+    @property
+    def plain(self) -> bool:
+        """Whether the elements are sliders in any motion."""
+        return math.isinf(self.n) and not self.v_0
 
     @property
     def K_z(self) -> float:
@@ -151,6 +162,8 @@ class Sliders:
         x, v : displacement, m, and velocity, m/s, (n,); the latter matters to a friction that falls.   load : friction
         over that of the elements, as the normal force of a record makes it.
         """
+        if v is not None and self.v_0:
+            return np.multiply.outer(self.r * load, np.tanh(v / self.v_0))
         top = (
             None if v is None or not self.fall else 1.0 + self.fall * np.exp(-((v / self.v_S) ** 2))
         )

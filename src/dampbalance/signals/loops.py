@@ -5,10 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.legendre import legvander
 
 from ..arrays import Array, Integers, Mask
 
@@ -22,11 +23,19 @@ _NEAR_MIDDLE = 0.05
 _NEAR_PEAK = (
     0.01  # of X: the force at a reversal is the mean of that on the last part of the way to it
 )
-# noise of x over its range from which on it is smoothed: else z reverses with it
-_SMOOTHED = 1e-3
 _SHARP = 4.0  # standard deviations of noise, from which on a bend of x is a corner
 _AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
-_OF_PERIOD, _OF_PERIOD_V = 40, 16  # windows of x and ẋ are these parts of a period
+_OF_PERIOD, _CLOSE = 40, 0.01  # part of a period that shows reversals, error of ẋ over its size
+# standard deviations of noise: cycles differ from their mean one by no more. Their own scatter is 1; quantization, and
+# what the differences of the noise do not show, makes it larger
+_PERIODIC = 1.5
+# degree of a polynomial between two turns, and standard deviations from which on a term of it is no noise
+_DEGREE, _STANDS_OUT = 24, 3.0
+_RUN, _STANDS_OUT_OF_ALL = 8, 4.5  # samples of a run, and of all runs
+_FEWEST_POINTS, _ROUNDS = 16, 3  # of a mean cycle, and of finding its period
+# harmonics of a mean cycle that stand for it alone, at the most, and standard deviations by which each is no noise
+_FEW, _HARMONIC = 8, 4.0
+_DRAWS = 4  # pairs of drawings of noise
 _CERTAIN = 4.0  # standard errors by which energy is gained
 SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 
@@ -94,13 +103,117 @@ def middles(x: Array, turns: Integers) -> Integers:
     return np.array(passes[::2], dtype=int)
 
 
+@lru_cache(maxsize=8)
+def _polynomials(size: int) -> Array:
+    """Return orthonormal polynomials on some samples, (size, degrees)."""
+    of = legvander(np.linspace(-1.0, 1.0, size), min(_DEGREE, size // 2))
+    return np.asarray(np.linalg.qr(of)[0])
+
+
+def _is_noise(left: Array, noise: float) -> bool:
+    """Return whether a residual is white noise of a standard deviation, and not more in one place."""
+    runs = np.diff(np.cumsum(left)[::_RUN])
+    worst = float(np.abs(runs).max(initial=0.0)) < _STANDS_OUT_OF_ALL * math.sqrt(_RUN) * noise
+    return worst and float(np.std(left)) < _PERIODIC * noise
+
+
+def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float, Array]:
+    """Return a motion in which each cycle is the mean one, a_j x̄(φ) + b_j + d_j φ, the standard deviation of the noise
+    that is left, smaller by √n of n cycles, and drawings of such noise, m, (draws, samples), each with either sign. A
+    motion whose cycles differ by more than their noise is returned as it is.
+
+    begins : see `middles`.   noise : standard deviation, m.
+    """
+    from scipy.interpolate import CubicSpline  # slow to import
+
+    count, first = begins.size - 1, int(begins[0])
+    period = float(np.polyfit(np.arange(begins.size), begins, 1)[0])
+    points, number = round(period), np.arange(count)
+    drawn = np.random.default_rng(0).normal(0.0, noise, (_DRAWS, x.size))
+    drawn = np.concatenate([drawn, -drawn])
+    if count < 2 or points < _FEWEST_POINTS:
+        return x, noise, drawn
+    of = CubicSpline(np.arange(x.size), x)
+    phase = np.arange(points) / points
+    turn = np.exp(-2j * math.pi * phase)
+    for _ in range(
+        _ROUNDS
+    ):  # the fundamental of each cycle, about its straight line, lags by the error of the period
+        at = first + period * np.add.outer(number, phase)
+        every = of(np.minimum(at, x.size - 1.0))
+        lines = np.outer(every[:, -1] - every[:, 0], phase)
+        late = np.unwrap(np.angle((every - lines) @ turn))
+        period -= period * float(np.polyfit(number, late, 1)[0]) / (2.0 * math.pi)
+    left, other = noise / math.sqrt(count), drawn[:, :points] / math.sqrt(count)
+    mean = (every - lines).mean(axis=0)
+    harmonics = np.fft.rfft(mean)
+    few = np.abs(harmonics) > _HARMONIC * left * math.sqrt(0.5 * points)
+    smooth = np.fft.irfft(harmonics * few, points)
+    if few.sum() <= _FEW and _is_noise(mean - smooth, left):
+        mean, other = smooth, np.fft.irfft(np.fft.rfft(other) * few, points)
+        left *= math.sqrt(2.0 * few.sum() / points)
+    terms = np.array([mean, np.ones(points), phase])
+    cycles = np.linalg.lstsq(terms.T, every.T)[0].T @ terms
+    inside = np.arange(first, min(x.size, math.ceil(at[-1, -1])))
+    smooth = CubicSpline(at.ravel(), cycles.ravel())(inside)
+    if float(np.std(x[inside] - smooth)) > _PERIODIC * noise:
+        return x, noise, drawn
+    same = ((np.arange(x.size) - first) * points / period).astype(int) % points
+    smooth = np.concatenate([x[:first], smooth, x[inside[-1] + 1 :]])
+    return smooth, left, other[:, same]
+
+
+def between_turns(
+    x: Array, turns: Integers, noise: float, step: float, drawn: Array
+) -> tuple[Array, Array, Array]:
+    """Return a motion without its noise that reverses at its turns alone, as a slider follows every other reversal, its
+    velocity, m/s, and what other drawings of its noise would have left in it, (draws, n).
+
+    Between two turns it is a polynomial, of Legendre's those that stand out of the noise: of a triangle a line, and of
+    a sine few. Where a polynomial leaves more than noise it is the closest monotone motion, whose velocity comes from
+    parabolas.
+
+    noise : standard deviation, m.   step : of time, s.   drawn : other noise, m, (draws, n).
+    """
+    from scipy.optimize import isotonic_regression  # slow to import
+    from scipy.signal import savgol_filter  # slow to import
+
+    turns = np.array([-1, *turns, x.size - 1])
+    # samples of a parabola whose slope has an error of 1 % of the mean speed
+    way = _CLOSE * float(np.mean(np.abs(np.diff(x[turns[1:]])) / np.diff(turns[1:])))
+    window = 1 + 2 * max(1, round(0.5 * (12.0 * (noise / way) ** 2) ** (1.0 / 3.0)))
+    smooth, v, errors = x.copy(), np.gradient(x, step), np.zeros_like(drawn)
+    for i, (before, turn) in enumerate(itertools.pairwise(turns.tolist())):
+        own = slice(before + 1, turn + 1)
+        part, up = x[own], bool(x[turns[1]] > x[0]) ^ bool(i % 2)
+        if part.size < window:
+            continue
+        Q = _polynomials(part.size)
+        sizes = part @ Q
+        Q = Q[:, : 1 + int(np.flatnonzero(np.abs(sizes) > _STANDS_OUT * noise).max(initial=0))]
+        model = Q @ (Q.T @ part)
+        fits = _is_noise(part - model, noise)
+        if fits:
+            v[own], errors[:, own] = np.gradient(model, step), drawn[:, own] @ Q @ Q.T
+        else:
+            model = part
+            v[own] = savgol_filter(part, window, 2, deriv=1, delta=step)
+            errors[:, own] = [
+                isotonic_regression(part + of, increasing=up).x for of in drawn[:, own]
+            ]
+            errors[:, own] -= isotonic_regression(part, increasing=up).x
+        smooth[own] = model if fits else isotonic_regression(model, increasing=up).x
+    return smooth, v, errors
+
+
 @dataclass(frozen=True, eq=False)
 class Loop:
     """A record of force and displacement, ready for the fit.
 
-    t : s; numbers of the samples where `timed` is false.   x : displacement, smoothed where it is noisy, m.   through :
+    t : s; numbers of the samples where `timed` is false.   x : displacement, less its noise, m.   through :
     that of reversals between samples, m.   v : velocity, m/s.   f : force, N, its sign such that energy is lost.
-    cycle : number of the cycle of each sample; −1 outside of them.   first : number of the first one in the record.
+    cycle : number of the cycle of each sample; −1 outside of them.   errors : of x, of other drawings of
+    its noise, m, (draws, n).   first : number of the first one in the record.
     N : normal force, N, where it was measured.   load : friction force of the record over that of all, as the normal
     force makes it.
     """
@@ -112,6 +225,7 @@ class Loop:
     v: Array
     f: Array
     cycle: Integers
+    errors: Array
     flipped: bool = False
     N: Array | None = None
     load: float = 1.0
@@ -140,12 +254,12 @@ class Loop:
                 f"and back, and {1 + skipped} are needed at least"
             )
         period = float(np.median(np.diff(begins)))
-        smooth, smooth_v = (2 * int(period / of / 2) + 1 for of in (_OF_PERIOD, _OF_PERIOD_V))
-        v = np.gradient(x, t)
-        if smooth_v > 3:
-            v = savgol_filter(x, smooth_v, 3, deriv=1, delta=(t[-1] - t[0]) / (t.size - 1))
-        if noise > _SMOOTHED * np.ptp(x) and smooth > 3:
-            x = savgol_filter(x, smooth, 3)
+        window = max(2 * int(period / _OF_PERIOD / 2) + 1, 3)
+        x, noise, drawn = mean_cycles(x, begins, noise)
+        if window > 3:
+            turns = turning_points(savgol_filter(x, window, 3), _SWING * float(np.ptp(x)))
+        step = float(t[-1] - t[0]) / (t.size - 1)
+        x, v, errors = between_turns(x, turns, noise, step, drawn)
         cycle = np.searchsorted(begins[skipped:], np.arange(x.size), side="right") - 1
         cycle[begins[-1] :] = -1
         if missing is not None:
@@ -155,7 +269,7 @@ class Loop:
                 raise ValueError(f"{name}: samples are missing in each of its cycles")
             cycle = np.where(cycle < 0, -1, np.searchsorted(left, cycle))
         through = corners(x, turns, noise)
-        loop = cls(name, t, x, through, np.asarray(v), f, cycle, first=skipped + 1)
+        loop = cls(name, t, x, through, v, f, cycle, errors, first=skipped + 1)
         lost = loop.lost / loop.amplitudes
         scatter = lost.std(ddof=1) / math.sqrt(lost.size) if lost.size > 1 else 0.0
         gains = lost.mean() < -_CERTAIN * scatter
@@ -184,8 +298,10 @@ class Loop:
         number[kept] = np.arange(kept.size)
         (own,) = np.nonzero(number[self.cycle] > -2)
         arrays = {name: getattr(self, name)[own] for name in ("t", "x", "v", "f")}
-        through = self.through[own[1:] - 1]
-        return replace(self, **arrays, through=through, cycle=number[self.cycle[own]], N=None)
+        through, errors = self.through[own[1:] - 1], self.errors[:, own]
+        return replace(
+            self, **arrays, through=through, errors=errors, cycle=number[self.cycle[own]], N=None
+        )
 
     def scaled(self, X: float) -> Loop:
         """Return the cycle of median amplitude, scaled to X and run through twice; the second time counts."""
@@ -195,6 +311,11 @@ class Loop:
         cycle = np.repeat([-1, 0], own.size)
         t = float(self.t[1] - self.t[0]) * np.arange(x.size)
         return replace(self, t=t, x=x, through=x[1:], v=v, f=0.0 * x, cycle=cycle)
+
+    @property
+    def drawn(self) -> list[Loop]:
+        """The loop with other drawings of the noise that its displacement had."""
+        return [replace(self, x=self.x + of, through=self.through + of[1:]) for of in self.errors]
 
     @cached_property
     def own(self) -> Integers:
