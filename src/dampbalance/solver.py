@@ -32,8 +32,6 @@ Pair = tuple[int, int]
 NORMAL_95 = 1.959963984540054
 """Standard errors on either side that hold 95 % of a normal distribution."""
 
-_MOST_WEIGHINGS = 20  # each brings the weights nearer by a factor of 100 or so
-_SETTLED = 1e-9  # relative change of the weights
 
 # Responses are one and the same when a column of A, scaled to unit length, encloses with those before it an angle below
 # this: they differ by rounding. Two levels that differ by one part in a million enclose 5e-7.
@@ -92,14 +90,16 @@ def solve(rows: Rows) -> Estimate:
     with np.errstate(divide="ignore"):
         weights = rows.W**-2.0  # errors grow with the work, nearly
     moving = np.ones(rows.W.shape[1:], dtype=np.bool_)
-    for _ in range(_MOST_WEIGHINGS):
+    # each brings the weights nearer by a factor of 100 or so
+    for _ in range(20):
         current = replace(rows, weights=weights, covariance=None)
         estimate = _solved(current)
         again = rows.weighted(estimate.values).weights
         assert again is not None
         again = np.where(np.isfinite(again), again, weights)  # rows without errors keep theirs
         change = np.where(rows.usable, np.abs(again / weights - 1.0), 0.0).max(axis=0)
-        moving &= change > _SETTLED  # a case that has settled stays, whatever the others do
+        # 1e-9 relative change of the weights
+        moving &= change > 1e-9  # a case that has settled stays, whatever the others do
         if not moving.any():
             break
         weights = np.where(moving, again, weights)

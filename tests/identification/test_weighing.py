@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from dampbalance import identify
 from dampbalance.findings.words import sentence
 from dampbalance.fit.select import Model, Selection
 from dampbalance.identification.weighing import DEPARTURES, departure, said_of, weighed_of
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
+from identification.levels import measured
+from paper_case import PAPER
 
 KEYS = ("F_k", "c")
 
@@ -48,3 +53,11 @@ def test_all_that_was_weighed_is_listed_with_size_and_error():
 def test_each_departure_has_words_with_its_size(name):
     for of in (TRANSLATION, ROTATION):
         assert "{" not in sentence(departure(name, -0.2, 0.5), of)
+
+
+def test_details_and_document_list_the_weights():
+    plain = identify(measured(noise=0.003, cycles=20.0), PAPER.k)
+    found = replace(plain, weighed=weighed_of(selection(0.6)))
+    first = found.document()["weights"][0]
+    assert first == {"name": "delay", "weight": 0.6, "size": -2e-5, "error": 1e-6}
+    assert len(found.text().splitlines()) >= len(plain.text().splitlines()) + len(found.weighed)

@@ -17,13 +17,12 @@ from .series import SignedScale
 from .style import DOUBLE_COLUMN, FAINT, GRID, MM, page, place
 
 RIGHT, TOP, ROW_GAP, COLUMN_GAP = 3.0, 8.0, 4.0, 3.5  # mm
-ENTRIES = 7  # of a legend that fit into a line
 APART, ASIDE = 2.0, 6.0  # points, at least, between labels, and between those of two panels
 ROOM = 1.4  # ratio by which a signed axis goes beyond its last power of ten, so that no mark is cut there
 CLEAR = 6.5  # points from the frame to labels along x, below the lowest one along y
 LINEAR_SHARE = 0.2  # of the linear part of a signed axis, the width of the asinh: there it takes as much as a decade
 NAMED = 10  # labels of an axis that fit one above the other
-TEXT_LEVEL, LEGEND_LEVEL = 11.0, 4.0  # mm above the lower edge of the page
+TEXT_LEVEL = 11.0  # mm above the lower edge of the page
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,11 +67,13 @@ class Grid:
 
     def legend_below(self, handles: Sequence[Any], **options: Any) -> None:
         """Draw the legend of all panels at the foot of the page, in as few lines as it fits into."""
-        lines = math.ceil(len(handles) / ENTRIES)
+        # seven entries of a legend fit into a line
+        lines = math.ceil(len(handles) / 7)
         self.figure.legend(
             handles=handles,
             loc="center",
-            bbox_to_anchor=self._middle(LEGEND_LEVEL),
+            # mm above the lower edge of the page
+            bbox_to_anchor=self._middle(4.0),
             ncols=math.ceil(len(handles) / lines),
             **options,
         )

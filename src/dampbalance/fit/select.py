@@ -344,10 +344,11 @@ def _fitted(one: Candidate, plain: Any, end: Any, keys: tuple[str, ...], noise: 
         evidence = one.evidence(end)
     else:
         value, error = end.value(one.name), end.error(one.name)
+        error *= math.sqrt(noise)
         fall, size = (plain.chi_square - end.chi_square) / noise, (value, error)
         evidence = -math.inf
         if error > 0.0:
-            evidence, *_ = bayes_factor(value, error * math.sqrt(noise), one.prior, fall)
+            evidence, *_ = bayes_factor(value, error, one.prior, fall)
     values = np.array([end.value(key) for key in keys])
     covariance = noise * end.covariance_of(*keys)
     return Model(one.name, one.prior.share, evidence, values, covariance, end, size)

@@ -492,18 +492,6 @@ class WaveformFit(OscillatorFit):
         """χ² of each record per datum, (n,)."""
         return np.array([np.mean(self.residual[place] ** 2) for place in self.problem.places])
 
-    @property
-    def in_phase(self) -> Array:
-        """Square of what the law leaves of the in-phase part of each kY/x_1, in its standard error, (n,): the stiffness
-        against the amplitude."""
-        squares = []
-        for one, at, place in zip(self.lines, self.problem.at, self.problem.places, strict=True):
-            re, im = np.split(self.residual[place][2:], 2)
-            x, base = one.x[0], self.point[at["Y"]] * np.exp(1j * self.point[at["psi"]])
-            Z, law = one.Y / x, base / (x + one.x_error[0] * (re[0] + 1j * im[0]))
-            squares.append(((law - Z).real / (abs(Z) * one.relative_error)) ** 2)
-        return np.array(squares)
-
     @cached_property
     def departures(self) -> dict[str, Departure]:
         """Test what each nuisance that is not fitted would explain, by name, to first order; those that the data do not

@@ -194,7 +194,7 @@ def features_left_out(readings: Sequence[Reading]) -> list[Features]:
 
 
 def solved_forced(
-    readings: Sequence[Reading], law: Law, k: float, *, frictionless: bool, correlated: bool = False
+    readings: Sequence[Reading], law: Law, k: float, *, frictionless: bool
 ) -> tuple[Rows, Balanced]:
     """Return the rows of readings that share the waveforms of a joint fit, and their solution."""
     means = [reading.mean for reading in readings]
@@ -207,4 +207,4 @@ def solved_forced(
         return [jackknifed([part.misfit(values)]) for part in left]
 
     freedoms = [part.W.shape[-1] - 1.0 for part in left]
-    return rows, solved(rows, errors, freedoms, correlated=correlated)
+    return rows, solved(rows, errors, freedoms, correlated=False)

@@ -25,8 +25,6 @@ EXCERPT = (
     16_384  # leading samples of each channel that are plotted, or three cycles of a slow drive
 )
 
-_TIMES = 3  # that a beginning is left out: a slow mode shows when a fast one has decayed
-
 
 def keeps_moving(record: Record) -> bool:
     """Return whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or
@@ -96,7 +94,8 @@ def load(
         return condition(record, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass)
 
     skipped = skip_cycles
-    for _ in range(_TIMES):
+    # a beginning is left out three times at most: a slow mode shows when a fast one has decayed
+    for _ in range(3):
         settled, steady = _settled(read, skipped)
         if not settled:
             break

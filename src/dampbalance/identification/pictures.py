@@ -58,13 +58,9 @@ _SHOWN |= {
     f"relative_{q}": (rf"{x} - {x.replace('x', 'y')}", factor, unit, column)
     for q, (x, factor, unit, column) in _SHOWN.items()
 }
-_LONGEST_TITLE = 60  # characters
-_MOST_DECAYS = 24  # panels
 _BOTTOM, _TOP = 18.0, 7.0  # mm
-_APART = 2.0  # mm, of a panel from its lower one, so that their labels along y do not touch
 _HIGHER = {1: 1.6, 2: 1.3, 3: 1.0}  # panels abreast → how much higher each is
 _FINE = 2880  # points of a cycle: its corners are between two of them
-_AT_REST = 1.5  # periods of rest that are shown after the motion
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
 
@@ -237,14 +233,16 @@ def decays(fit: DecayFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) 
 
     turns : of each decay, rows (t, x), s and m, and their errors.
     """
-    shown = fit.decays[:_MOST_DECAYS]
+    # 24 panels at most
+    shown = fit.decays[:24]
     last_channel = {i: (signal, residual) for i, signal, residual in fit.residuals()}
     figure, panels = _panels([one.source for one in shown], 30.0, 12.0, below=11.0)
     for i, one in enumerate(shown):
         (axes, below), (signal, residual) = panels[i], last_channel[i]
         symbol, factor, unit, _ = _SHOWN[signal.quantity]
         # as long as the mass moves, and a little of its rest
-        end = min(one.end, one.start + fit.sticks_from(i) + _AT_REST * one.period)
+        # 1.5 periods of rest are shown after the motion
+        end = min(one.end, one.start + fit.sticks_from(i) + 1.5 * one.period)
         seen = np.flatnonzero(signal.t <= end)
         seen = seen[:: max(1, seen.size // _POINTS)]
         t, values, residual = (a[seen] for a in (signal.t, signal.values, residual))
@@ -340,9 +338,10 @@ def _panels(
         row, column = divmod(i, across)
         left, bottom = 13.0 + pitch * column, top - height - row * step
         axes = place(figure, left, bottom, pitch - 16.0, height)
-        size = pitch - 16.0, below - _APART
+        # mm, of a panel from its lower one, so that their labels along y do not touch
+        size = pitch - 16.0, below - 2.0
         lower = place(figure, left, bottom - below, *size) if below else axes
         # a name is no mathematics, whatever it holds
-        axes.set_title(cut(title, _LONGEST_TITLE), pad=3.0, y=1.0, parse_math=False)
+        axes.set_title(cut(title, 60), pad=3.0, y=1.0, parse_math=False)
         panels.append((axes, lower))
     return figure, panels

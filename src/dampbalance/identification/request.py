@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from ..records.measured import ReaderOfTables, RecordLike
     from .result import Result
 
-_ANY = 1e3  # k₀/m, rad²/s², of 5 Hz
-
 
 _READERS: Mapping[str, Callable[[Option, Any], Any]] = {
     "flag": lambda of, value: flag(of.name, value),
@@ -57,7 +55,8 @@ def with_stiffness_by_mass(
 
     Raises ValueError where the records determine no mass.
     """
-    mass, k = options["mass_kg"], options["mass_kg"] * _ANY
+    # k₀/m of 5 Hz, rad²/s²
+    mass, k = options["mass_kg"], options["mass_kg"] * 1e3
     for one in (identified, *further):
         found = one({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
         if math.isnan(found.mass):

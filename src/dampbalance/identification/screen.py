@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     Levels: TypeAlias = Sequence[Mapping[str, Any]]
 
 _ROUNDING = 1e-12
-_SKEW = 0.1  # of the half width, by which a value may lie off the middle of an interval that is shown as ±
-_LEVELS = 12  # of loops that a screen has room for
 _CAPTIONS = {"loops": "loops measured", "ring-down": "swings measured"}
 """Finding that says what the columns of the table of a kind of records are."""
 _CAUSES = 3  # of doubt that a screen has room for
@@ -70,7 +68,8 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     last = f"See {details} for {more}, and for what they depend on."
     tests = comparison(found, width)
     levels = found.level_documents
-    shown = np.linspace(0, len(levels) - 1, min(len(levels), _LEVELS)).round().astype(int)
+    # a screen has room for twelve loops
+    shown = np.linspace(0, len(levels) - 1, min(len(levels), 12)).round().astype(int)
     table = measured_lines(found.basis, [levels[i] for i in shown], coordinate, width)
     return _page(wrapped([answer], width), table, *parts, tests, wrapped([last], width))
 
@@ -245,7 +244,8 @@ def _with_half_width(symbol: str, p: ParameterEstimate, coordinate: Coordinate) 
         return ""
     if math.isinf(high) or low <= 0.0 < high:
         return limit(symbol, low, high, coordinate)
-    symmetric = abs(p.value - middle) < _SKEW * half
+    # an interval is shown as ± if its value lies off the middle by less than a tenth of the half width
+    symmetric = abs(p.value - middle) < 0.1 * half
     return measured(
         symbol, with_error(p.value, half) if symmetric else with_interval(p), coordinate
     )

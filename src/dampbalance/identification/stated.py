@@ -27,7 +27,6 @@ from .loading import correction_of
 from .result import B, Result
 from .sensitivities import FAULTS, Fault, told
 
-_FELT = 1e-3  # of an effect of a part of the same size: what is said of less is that it is nothing
 _UNTESTED = {
     "the stiffness": FAULTS["stiffness_1_percent"],
     "the gain of the drive": FAULTS["drive_gain_1_percent"],
@@ -120,7 +119,8 @@ def _conditional(
         parts = tuple(
             (symbol, p.value, share * p.value)
             for symbol, p in answer.parameters.items()
-            if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 0.01 * _FELT
+            # what is less than 1e-3 of an effect of a part of the same size is nothing
+            if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 1e-5
         )
         effects += [(told(found, what), parts)] if parts else []
     if not effects:

@@ -30,7 +30,6 @@ Problem = tuple[KeyPath, str]  # a key, its fault and the remedy
 MOST_BYTES = 100_000  # the longest file of the project has 20 kB
 MOST_VALUES = 20_000  # keys and values in a file, those that aliases repeat counted each time
 DEEPEST = 20  # lists and mappings inside each other; the schemas go down to seven
-_LARGEST = 2**63 - 1  # the largest integer of an array
 _LINE_LENGTHS, _KEY = 300, 40  # characters of a message, and of a key in it
 _MESSAGES = 20  # shown of a file that is wrong all over
 _NAMES = 'Use letters, digits, "-" and "_".'
@@ -261,7 +260,7 @@ def _impossible(value: Any, key: KeyPath = ()) -> Iterable[Problem]:
             yield from _impossible(item, (*key, name))
     elif isinstance(value, float) and not math.isfinite(value):
         yield key, f"{value!r} is not a finite number"
-    elif isinstance(value, int) and abs(value) > _LARGEST:
+    elif isinstance(value, int) and abs(value) > 2**63 - 1:  # the largest integer of an array
         yield key, "the number is too large; correct it"
     elif isinstance(value, str) and (unseen := _UNSEEN.search(value)):
         yield key, f"the character U+{ord(unseen[0]):04X} cannot be shown as text; remove it"

@@ -21,7 +21,6 @@ from .untimed import is_loop, of_speeds
 
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
-_LONGEST = 60  # characters of a name; a column with a longer one is called by its number
 _KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes force_N"
 """Keys of a mapping that stay in the one suggested."""
 
@@ -119,7 +118,7 @@ def _which(of: Guesses, i: int) -> str:
     name, alone = of.channels[i].name, of.keys.count(of.keys[i]) == 1
     if not alone and of.stepped:  # one column for each level
         name = of_level(name)
-    elif not alone or len(name) > _LONGEST:
+    elif not alone or len(name) > 60:  # a longer name is none
         return str(i + 1)
     plain = re.fullmatch(r"[A-Za-z]\w*( \w+)*", name) and name.lower() not in _YAML_WORDS
     return name if plain else json.dumps(name, ensure_ascii=not name.isprintable())

@@ -14,7 +14,6 @@ _PARTS = 4  # of a record, each with most of a cycle at least
 _DIED = 0.35  # of the largest range in a part, left in the last
 _BAND = 0.02  # of the strongest line: weaker ones show noise
 _ALIKE = 0.95  # correlation of two columns that are one motion
-_PASSES, _PER_PASS = 3, 4  # through zero, and samples for each: more are of a motion in time
 _OUTSIDE = 0.1  # of half the range: nearer to its middle a loop may rest
 _NEAR = 4.0  # times slower or faster than a response: what swings within may drive it
 _ARC = 0.9  # share of the variance that a parabola of another coordinate explains
@@ -167,7 +166,8 @@ def steady_speeds(values: Array) -> bool:
     after several samples each, as those of a motion do."""
     way = values[np.isfinite(values) & (values != 0.0)] > 0.0
     passes = np.count_nonzero(np.diff(way))
-    moves = way.size >= _ENOUGH and _PASSES < passes < way.size / _PER_PASS
+    # more than three passes through zero, with four samples for each, are of a motion in time
+    moves = way.size >= _ENOUGH and 3 < passes < way.size / 4
     return bool(passes and not moves)
 
 

@@ -15,7 +15,7 @@ from .units import TABLE_DRIVES, TABLE_RESPONSES
 if TYPE_CHECKING:
     from .guess import Guesses
 
-_KILOHERTZ, _HALF_TURN = 1000.0, 181.0  # what a frequency response goes up to, and its phase, deg
+_HALF_TURN = 181.0  # deg, up to which a phase goes
 
 
 def is_table_of_lines(file: Table, rules: RecordMapping) -> bool:
@@ -39,7 +39,8 @@ def is_response(table: Guesses) -> bool:
         even = samples.equal_step(of) is not None
         if even or not table.per_force:  # or else a stepped sine at a force to be stated
             rises = even and table.channels[i].unit is None and len(named) > 2
-            frequency |= named[i] == "frequency" or (rises and bool(of[-1] >= _KILOHERTZ))
+            # a frequency response goes up to 1 kHz or more
+            frequency |= named[i] == "frequency" or (rises and bool(of[-1] >= 1000.0))
         turns = of.size and np.abs(of).max() <= _HALF_TURN and np.ptp(of) > 0.5 * _HALF_TURN
         phase |= named[i] == "phase" or bool(turns and not even)
     return frequency and phase

@@ -20,9 +20,6 @@ FEWEST_PER_CYCLE = 100
 """Steps in a period below which neither a reversal nor a slip onset is resolved."""
 
 
-_BALANCE = 1e-6  # share of the energy put in: an orbit may miss it by rounding
-
-
 def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
     """Look at what a case asks for, and then at every exact orbit.   files : the configuration's, to say where a key
     stands.
@@ -47,7 +44,7 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
                 notices.append(
                     f"{place}: {orbit.regime}. It has no slip features; estimates leave it out."
                 )
-            elif abs(spent - orbit.W) > _BALANCE * spent:
+            elif abs(spent - orbit.W) > 1e-6 * spent:  # rounding
                 text = f"{place}: rounding spoils the energy balance; take more damping or friction"
                 refuse(("oscillator",), text, files)
             elif orbit.t_s < shortest:

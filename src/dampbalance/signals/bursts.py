@@ -18,9 +18,6 @@ from ..arrays import Array, Mask
 from .thresholds import RARE_LINE, SIGNIFICANT
 
 _BAND = 1.25  # ratio of its upper end to its centre: a decay is no sharp line
-# Part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing, and over half a
-# cycle to a tenth, which also takes off a mode of three times the frequency, whose beats look like bursts.
-_SMOOTH, _SMOOTHER = 1.0 / 8.0, 1.0 / 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,9 +131,11 @@ def bursts_of(signal: Signal) -> list[Burst]:
 
     Where less than half of them are there without higher modes, the others are beats of these.
     """
-    bursts = _bursts_of(signal, _SMOOTH)
+    # part of a cycle over which the samples are smoothed: a parabola follows a turn to 1e-4 of its swing
+    bursts = _bursts_of(signal, 0.125)
     if len(bursts) > 1:
-        smoother = _bursts_of(signal, _SMOOTHER)
+        # to a tenth of its swing, but without a mode of three times the frequency, whose beats look like bursts
+        smoother = _bursts_of(signal, 0.5)
         bursts = smoother if 2 * len(smoother) < len(bursts) else bursts
     return bursts
 

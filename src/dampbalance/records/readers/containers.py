@@ -19,9 +19,7 @@ from ..headings import quantity_of, words_of
 from ..table import RawChannel, Table, Unread, channels_of, samples_of, unit_among
 from ..units import split_label
 
-# universal files: the function types of a time response and of a frequency response, what a channel without a name
-# holds, and what a frequency response is of that per force
-_TIME_RESPONSE, _FREQUENCY_RESPONSE = 1, 4
+# universal files: what a channel without a name holds, and what a frequency response is of that per force
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 _RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
 # fields that name a time response, besides the label of its ordinate
@@ -64,7 +62,8 @@ def uff_file(path: Path) -> Table:
         file = pyuff.UFF(str(copy))
         kinds = map(int, file.get_set_types())
         sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
-    times = [item for item in sets if item["func_type"] == _TIME_RESPONSE]
+    # time responses
+    times = [item for item in sets if item["func_type"] == 1]
     channels = list[RawChannel]()
     for item, label in zip(times, _names(times), strict=True):
         values, n = np.asarray(item["data"]), int(item["num_pts"])
@@ -78,7 +77,8 @@ def uff_file(path: Path) -> Table:
             seconds = {"unit": _stated(item, "abscissa_axis_units_lab") or "s"}
             channels += channels_of(f"{split_label(label)[0]} time", np.asarray(item["x"]), seconds)
         channels += channels_of(label, values, stated)
-    responses = [item for item in sets if item["func_type"] == _FREQUENCY_RESPONSE]
+    # frequency responses
+    responses = [item for item in sets if item["func_type"] == 4]
     for number, item in enumerate([] if channels else responses, start=1):
         channels += _frequency_response(item, f"{number}/" * (len(responses) > 1))
     if not channels:
