@@ -333,5 +333,5 @@ def _to_first_order(
         evidence,
         plain.values + slopes * mean,
         plain.covariance + np.outer(slopes, slopes) * variance,
-        size=(tested.value, error),
+        size=(mean, math.sqrt(variance)),
     )

@@ -393,7 +393,9 @@ def _solved(
     """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     solution = balanced(rows)
     misfit, freedom, estimates = solution.misfit, solution.freedom, solution.estimates
-    fit_notes = _shortcomings_of(fit)
+    fit_notes = list[Finding]()
+    if not sound(fit):  # even in the band of the mode
+        fit_notes.append(Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED))
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, solution.chi_square) < P_OF_THE_MODEL:
         off = by_scatter(estimates, misfit)
@@ -454,13 +456,6 @@ def _among_models(answer: Answer, selection: Selection) -> Answer:
         off = np.array([one.values for one in selection.models]) / plain - 1.0
     changes = np.sqrt(np.average(off**2, 0, selection.weights))
     return widened(answer, {"models": dict(zip(selection.keys, changes.tolist(), strict=True))})
-
-
-def _shortcomings_of(fit: DecayFit) -> list[Finding]:
-    """Return a finding where the decays are not those of one oscillator even in the band of the mode."""
-    if sound(fit):
-        return []
-    return [Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED)]
 
 
 def _excerpts_of(fit: DecayFit) -> list[Finding]:
