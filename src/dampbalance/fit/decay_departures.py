@@ -36,8 +36,6 @@ FALLING, SPEED, GRADUAL, FADING = "falling", "falling_speed", "gradual", "fading
 FRICTIONS = "frictions"
 """A friction force for each decay."""
 
-_SPEED_SHOWS = 4.0  # of χ²: two standard errors by which the speed over which friction falls shows
-
 
 def departures_of(fit: DecayFit) -> list[Departure]:
     """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
@@ -176,8 +174,8 @@ def _in_noise(one: Departure, fit: DecayFit) -> Departure:
 
 
 def _fitted(fit: DecayFit, name: str, near: DecayFit) -> DecayFit | None:
-    """Return the fit with one further coefficient, in the noise that it leaves; None where no climb leads to one. A
-    friction that falls does so over one of several speeds, or over that which explains most."""
+    """Return the fit with one further coefficient, in the noise that it leaves; None where no climb leads to one. The
+    speed over which friction falls is searched from several ones."""
     problem = replace(fit.problem, slips=fit.slips)
     starts = [fit.parameters.freed(name)]
     if name == FALLING:
@@ -185,13 +183,10 @@ def _fitted(fit: DecayFit, name: str, near: DecayFit) -> DecayFit | None:
         starts = [starts[0].moved(falling_speed=part * top) for part in FALLS]
     if name in near.further:
         starts.append(_without(near, fit, name, SPEED))
-    ends = [end for start in starts if (end := problem.climb(start)) is not None]
-    if name == FALLING and ends:
-        best = min(ends, key=lambda one: one.chi_square)
-        with_speed = problem.climb(best.parameters.freed(SPEED))
-        if with_speed and with_speed.chi_square < best.chi_square - _SPEED_SHOWS:
-            ends.append(with_speed)
-    return _lowest(ends)
+    best = _lowest(map(problem.climb, starts))
+    if name == FALLING and best is not None:
+        return _lowest([best.problem.climb(best.parameters.freed(SPEED))]) or best
+    return best
 
 
 def _evidence(plain: DecayFit, name: str, prior: Prior, end: DecayFit) -> float:

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -340,12 +341,13 @@ def _weighed(
 def _fitted(one: Candidate, plain: Any, end: Any, keys: tuple[str, ...], noise: float) -> Model:
     """Return a candidate that is fitted."""
     size = (0.0, 0.0)
+    with suppress(KeyError):  # one without an unknown of its name
+        size = end.value(one.name), end.error(one.name)
     if one.evidence is not None:
         evidence = one.evidence(end)
     else:
-        value, error = end.value(one.name), end.error(one.name)
-        error *= math.sqrt(noise)
-        fall, size = (plain.chi_square - end.chi_square) / noise, (value, error)
+        value, error = size
+        fall = (plain.chi_square - end.chi_square) / noise
         evidence = -math.inf
         if error > 0.0:
             evidence, *_ = bayes_factor(value, error, one.prior, fall)
@@ -367,5 +369,5 @@ def _to_first_order(
         evidence,
         plain.values + slopes * mean,
         plain.covariance + np.outer(slopes, slopes) * variance,
-        size=(tested.value, error),
+        size=(mean, math.sqrt(variance)),
     )

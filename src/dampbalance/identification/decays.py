@@ -21,10 +21,10 @@ from ..balance import TERMS, Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..fit.decay import DecayFit, offset_of, with_noise_of
-from ..fit.decay_departures import as_pendulum, weighed
+from ..fit.decay_departures import as_pendulum, departures_of, weighed
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
-from ..fit.select import REFITTED, Selection
+from ..fit.select import PRIORS, REFITTED, Selection
 from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
@@ -62,7 +62,7 @@ from .rigs import require_rotation
 from .screen import implied, measured_lines
 from .sensitivities import Fault
 from .stated import widened, with_stated_uncertainties
-from .weighing import said_of, weighed_of
+from .weighing import departure, said_of, weighed_of
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -312,7 +312,7 @@ def identify_decay_records(
             warnings.append(on_mass(fit, mass))
     selection = weighed(fit)
     fit = profiled(selection.fit)
-    warnings += said_of(selection)
+    warnings += said_of(selection) + _unexplained(fit)
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
@@ -325,6 +325,20 @@ def identify_decay_records(
     sources = tuple(record.name for record in records)
     outcome = _solved(fit, selection, rows_of(fit), sources, rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
+
+
+def _unexplained(fit: DecayFit) -> list[Finding]:
+    """Return a finding where a further coefficient shows with a sign that it cannot have: what nothing known explains
+    moves the numbers as much."""
+    tests = departures_of(fit)
+    odd = [one for one in tests if PRIORS[one.symbol].positive and one.size < -math.sqrt(SHOWS)]
+    if not odd:
+        return []
+    worst = min(odd, key=lambda one: one.size)
+    slopes = {s: worst.slopes.get(s, 0.0) for s in TERMS}
+    effect = {s: abs(by * worst.value / (fit.value(s) or math.inf)) for s, by in slopes.items()}
+    what = departure(worst.symbol, worst.value, worst.error)
+    return [Finding("unexplained decays", {"what": (what,)}, effect)]
 
 
 def _pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]:
@@ -393,7 +407,9 @@ def _solved(
     """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
     solution = balanced(rows)
     misfit, freedom, estimates = solution.misfit, solution.freedom, solution.estimates
-    fit_notes = _shortcomings_of(fit)
+    fit_notes = list[Finding]()
+    if not sound(fit):  # even in the band of the mode
+        fit_notes.append(Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED))
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, solution.chi_square) < P_OF_THE_MODEL:
         off = by_scatter(estimates, misfit)
@@ -454,13 +470,6 @@ def _among_models(answer: Answer, selection: Selection) -> Answer:
         off = np.array([one.values for one in selection.models]) / plain - 1.0
     changes = np.sqrt(np.average(off**2, 0, selection.weights))
     return widened(answer, {"models": dict(zip(selection.keys, changes.tolist(), strict=True))})
-
-
-def _shortcomings_of(fit: DecayFit) -> list[Finding]:
-    """Return a finding where the decays are not those of one oscillator even in the band of the mode."""
-    if sound(fit):
-        return []
-    return [Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED)]
 
 
 def _excerpts_of(fit: DecayFit) -> list[Finding]:

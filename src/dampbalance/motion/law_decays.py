@@ -10,7 +10,7 @@ are continuous at events, since the force of the contact is. Where the friction 
 falls to: a mass at rest breaks loose at F_k + p, one that moves at less. Friction that fades, as of bodies that run in
 or get warm, changes from one slip to the next,
 
-    F_n = F_k [1 − q (n/N − ½)],   n = 0, 1, … N,
+    F_n = F_k [1 − q ((n + ½)/N − ½)],   n = 0, 1, … N − 1,
 
 by a share q of its mean F_k in N slips, and stays as it is after these.
 """
@@ -260,7 +260,7 @@ def _with_friction(par: Parameters, F_k: float) -> Parameters:
 
 @jit
 def _faded(par: Parameters, age: float, p: Coefficients) -> Parameters:
-    """Return the oscillator with the friction of one slip.   age : n/N − ½."""
+    """Return the oscillator with the friction of one slip.   age : (n + ½)/N − ½."""
     return _with_friction(par, par.F_k * (1.0 - p[_FADING] * age))
 
 
@@ -279,7 +279,7 @@ def _hold(
     """Begin a phase at a state: add its place to what is held, and set its constant accelerations.
 
     side : force of the contact there, over the friction.   first : whether it is the first phase, whose side is that of
-    w.   age : n/N − ½ of that friction.
+    w.   age : (n + ½)/N − ½ of that friction.
     """
     m, level = par.m, 1.0 - p[_FADING] * age
     for i in range(rows):
@@ -328,7 +328,7 @@ def law_decay(
     w[_HELD, 1 + _START_X], w[here + 1, 1 + _START_V] = 1.0, 1.0
     # up to the end, F_k is that at rest
     par = _with_friction(par, par.F_k + p[_FALLING])
-    slipped, age = 0.0, -0.5
+    slipped, age = 0.0, 0.5 / slips - 0.5
     now = then = mean = _faded(par, age, p)  # in the contact, of the next slip, of both
     Z_m = now.F_k / par.K_z
     side = min(max(preload - 1.0, -1.0), 1.0)
@@ -404,7 +404,7 @@ def law_decay(
             if sticks:
                 s = 1.0 if up else -1.0
                 if s != side:
-                    age = min(slipped / slips, 1.0) - 0.5
+                    age = min((slipped + 0.5) / slips, 1.0) - 0.5
                     now, Z_m = then, other
                 side = s
             else:
@@ -413,7 +413,7 @@ def law_decay(
                 if s != 0.0:
                     side = s
                 slipped += 1.0
-                then = _faded(par, min(slipped / slips, 1.0) - 0.5, p)
+                then = _faded(par, min((slipped + 0.5) / slips, 1.0) - 0.5, p)
             _hold(w, here, rows, s, side, events == 0, age, par, p)
             if events < len(phases):
                 write_phase(phases, events, t, s, w[_HELD, 0], w[here + 1, 0], side * Z_m)
