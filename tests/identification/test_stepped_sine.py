@@ -21,6 +21,7 @@ from dampbalance import (
     steady_orbits,
 )
 from dampbalance.fit.contacts import fit_contact
+from dampbalance.fit.select import CLEAR
 from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
 from dampbalance.identification.sensitivities import FAULTS, Fault
 from dampbalance.identification.stepped_sine import damping_at
@@ -89,13 +90,18 @@ def test_many_sliders_are_found_where_one_is_not_enough(many):
     verdict = many.approaches["one slider"].verdicts["K_z"]
     assert verdict.verdict == "doubtful"
     assert [one.numbers["contact"] for one in verdict.findings] == ["gradual"]
-    assert many.check[0].numbers["enough"] is False
+    assert many.check[0].numbers["weight"] > CLEAR
     X = np.geomspace(3e-5, 3.5e-4, 20)
     omega = 2.0 * np.pi * 51.0
     exact = MANY.loss(X) + np.pi * omega * OSCILLATOR["c"] * X**2
-    # 5 % at the smallest amplitudes, at which no more than two sliders slip
-    loss = np.pi * X**2 * many.basis.fits["gradual"].law(X, omega)[0].imag
-    np.testing.assert_allclose(loss, exact, rtol=0.08)
+    Z, reach = many.basis.fits["gradual"].law(X, omega)
+    # what lies between two levels is known by its band alone
+    assert (np.abs(np.pi * X**2 * Z.imag - exact) < 2.0 * np.pi * X**2 * reach.imag).all()
+    at = np.array(AMPLITUDES)
+    loss = np.pi * at**2 * many.basis.fits["gradual"].law(at, omega)[0].imag
+    exact = MANY.loss(at) + np.pi * omega * OSCILLATOR["c"] * at**2
+    # 0.3 % of force and phase near the resonance, and c alone at the lowest
+    np.testing.assert_allclose(loss, exact, rtol=0.03)
 
 
 def test_the_rows_are_the_balance(one):
@@ -399,8 +405,10 @@ def test_the_damping_at_an_amplitude_is_that_of_the_sliders(many):
         damping_at(many, X, hertz),
     )
     measured = slice(1, 4)  # the others lie beyond the levels
-    # sliders at sixteen amplitudes are taken for a smooth distribution
-    assert damping["damping_ratio"][measured].to_numpy() == pytest.approx(zeta[measured], rel=0.05)
+    reach = 0.5 * (damping["high"] - damping["low"])[measured].to_numpy()
+    assert (
+        np.abs(damping["damping_ratio"][measured].to_numpy() - zeta[measured]) < 2.0 * reach
+    ).all()
     assert (damping["low"] < damping["damping_ratio"])[measured].all()
     assert (damping["damping_ratio"] < damping["high"])[measured].all()
     assert damping.isna().any(axis=1).tolist() == [True, False, False, False, True]

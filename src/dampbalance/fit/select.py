@@ -78,6 +78,10 @@ PRIORS: Mapping[str, Prior] = {
     "no contact": Prior(0.03, math.inf, "none"),
     "further damping": Prior(0.03, math.inf, "none"),
     "smoothness": Prior(0.25, math.inf, "none"),
+    # forces at steady speeds: laws beyond the line, without a size, too
+    "steady F_S": Prior(0.15, math.inf, "none"),
+    "steady v_0": Prior(0.1, math.inf, "none"),
+    "steady c_2": Prior(0.05, math.inf, "none"),
     # spring and damper
     "k_3": Prior(0.03, 0.02, "k over X²"),
     "c_2": Prior(0.03, 0.2, "c over ωX", positive=True),
