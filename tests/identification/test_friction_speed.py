@@ -160,7 +160,9 @@ def test_a_reversed_sign_rows_at_rest_and_another_law_are_said():
     bent = F + 0.4 * np.sign(v) * np.sin(40.0 * v) ** 2
     found = identify({"v_rad_per_s": v, "torque_N_m": bent})
     assert "other law of speed" in codes(found)
-    assert found.verdicts["F_k"].verdict == "doubtful"
+    # and the interval holds what that does
+    low, high = found.intervals["F_k"]
+    assert high - low > 0.2
 
 
 def test_samples_in_time_are_asked_for_their_rate_and_may_be_said_to_be_speeds():
