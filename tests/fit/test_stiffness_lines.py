@@ -103,14 +103,11 @@ def test_intervals_hold_what_they_say():
 def test_comparison_finds_one_slider_and_the_gradual_contact():
     one = compare_contacts(lines(corners, 0.01))
     assert one.supported == "one slider"
-    assert one.p > 0.05
-    assert one.finding.numbers["enough"] is True
+    assert one.weights["one slider"] > 0.9
     many = compare_contacts(lines(power_law, 0.003))
     assert many.supported == "gradual"
-    assert many.p < 0.05
-    assert many.held_out["gradual"].loss.size == len(LEVELS)
+    assert many.weights["one slider"] < 1e-6
     assert loss_left(many.fits["one slider"]) > loss_left(many.fits["gradual"])
-    assert many.finding.numbers["enough"] is False
 
 
 def test_loss_that_grows_by_damping_is_told_from_a_contact_by_the_stiffness():

@@ -214,7 +214,7 @@ def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
         "lines": lines.X.size,
         "refused": "",
         "supported": compared.supported,
-        "p": compared.p,
+        "weight": compared.weights[compared.supported],
         "seconds": time.process_time() - began,
     }
     row |= _bands(truth, fit)

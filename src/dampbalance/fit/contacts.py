@@ -29,8 +29,11 @@ from .parameters import Parameter, Parameters
 from .select import PRIORS, Candidate, Selection, select
 from .stiffness_lines import Contact, StiffnessLines, StiffnessProblem
 
-# of κ over ln r: separate sliders, and three from a third of a decade to all of the range, in which κ follows a line
-_SMOOTHINGS = (0.0, 3e-5, 3e-4, 3e-3)
+_SMOOTHINGS = (
+    0.0,
+    3e-5,
+    3e-4,
+)  # of κ over ln r: separate sliders, and κ that follows the levels less and less
 _NODES = 80  # sliders of a gradual contact: 7 % from one to the next
 _RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
 _ITERATIONS = 4  # of the errors of the lines
@@ -300,18 +303,32 @@ def _starts(problem: StiffnessProblem) -> list[Parameters]:
 
 
 def _fitted(problem: StiffnessProblem) -> ContactFit:
-    """Return the fit of a problem, that of a gradual contact the mean over those of different smoothness."""
-    if problem.contact != "gradual":
-        return _fit(_estimated(problem))
-    first, *others = (_fit(_estimated(replace(problem, smoothing=of))) for of in _SMOOTHINGS)
+    """Return the fit of a problem: the mean over a spring that hardens and one that does not, and that of a gradual
+    contact over those of different smoothness."""
+    gradual = problem.contact == "gradual"
+    rough = [replace(problem, smoothing=of) for of in (_SMOOTHINGS if gradual else (0.0,))]
+    variants = [("smoothness", of) for of in rough]
+    if "k_3" in problem.start:
+        soft = problem.start.held("k_3")
+        variants = [("smoothness", replace(of, start=soft)) for of in rough]
+        variants += [("k_3", of) for of in rough]
+    (_, first), *others = ((prior, _fit(_estimated(of))) for prior, of in variants)
+    if not others:
+        return first
     candidates = [
-        _candidate(f"{one.problem.smoothing:g}", one, first, "smoothness") for one in others
+        _candidate(f"{prior} {one.problem.smoothing:g}", one, first, prior) for prior, one in others
     ]
-    weighed = select(first, candidates, first.parameters.keys)
-    evidence = first.evidence + special.logsumexp([one.evidence for one in weighed.models])
-    evidence -= math.log(len(_SMOOTHINGS))
+    free = np.flatnonzero(problem.start.free)
+    weighed = select(first, candidates, [problem.start.keys[i] for i in free])
+    values, covariance = first.point.copy(), np.zeros_like(first.covariance)
+    values[free], covariance[np.ix_(free, free)] = weighed.values, weighed.covariance
+    shares = np.array([one.share for one in weighed.models])
+    gains = [one.evidence for one in weighed.models]
     return replace(
-        weighed.fit, parameters=weighed.fit.parameters.at(weighed.values), covariance=weighed.covariance, evidence=evidence
+        weighed.fit,
+        parameters=weighed.fit.parameters.at(values),
+        covariance=covariance,
+        evidence=first.evidence + float(special.logsumexp(gains, b=shares / shares.sum())),
     )
 
 

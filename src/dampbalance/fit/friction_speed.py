@@ -1,33 +1,42 @@
 """The mean force of friction at steady speeds, and its fit:
 
-    T = [F_k + F_S e^{−(v/v_S)²}] sgn v + c v + T_0
+    T = F_k tanh(v/v_0) + F_S e^{−(v/v_S)²} sgn v + c v + c_2 v|v| + T_0
 
-with the Coulomb friction F_k, the viscous damping c, an offset T_0 (of the sensor, or gravity) and, where the data show
-it clearly, a friction that falls with the speed by F_S over v_S (Stribeck). No mass moves and no spring is deflected:
-the mean is that of the law alone. The scatter about the law gives the errors. A quadratic damper, c_2 v|v|, is fitted
-in place of the fall to see whether it explains the data as well.
+with the Coulomb friction F_k, the viscous damping c and an offset T_0 (of the sensor, or gravity). Three departures are
+weighed by their evidence (`select.py`): a friction that falls with the speed by F_S over v_S (Stribeck), one that is
+rounded at rest over v_0, else tanh(v/v_0) = sgn v, and a quadratic damper. No mass moves and no spring is deflected:
+the mean is that of the law alone. The scatter about the best law gives the errors. With χ² of n rows by the line and by
+a law of q further unknowns, and ν degrees of freedom of the line, the Bayes factor of that law is
+
+    B = (1 + n)^{(ν − q)/2} (1 + n χ²/χ_0²)^{−ν/2}
+
+(Zellner's prior with the information of one row; Liang, Paulo, Molina, Clyde & Berger, J. Am. Stat. Assoc. 103, 2008).
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special
 
 from ..arrays import Array, Mask
 from .errors import inverse_information
 from .fit import Fit
 from .multistart import Trail, climb_on
 from .parameters import Parameter, Parameters
+from .select import PRIORS, Candidate, Selection, select
 
-_P_FALL, _P_HINT = 1e-3, 0.05  # of scatter: a fall is taken, and the intervals include one
-_SPEEDS = 7  # v_S from which climbs start
-_FEWEST = 5  # sizes of speeds that may show a fall
+DEPARTURES = {"F_S": ("F_S", "v_S"), "v_0": ("v_0",), "c_2": ("c_2",)}
+"""Departures from the line by their first unknown, with all of their unknowns."""
+
+_SPEEDS = 7  # v_S and v_0 from which climbs start
+_SHARP = 0.2  # v_0 over the smallest speed: a smaller one does not show
+_FEWEST = 5  # sizes of speeds that may show a departure
 _EXACT = 1e-9  # of the range of the force: a scatter below is rounding
 _ONE_SPEED = 1e-3  # relative: sizes of speeds that differ by less are one
-_ALIKE = 10.0  # of χ²: a law that leaves so much more than another one is as likely as scatter
 
 
 class SteadySpeeds(NamedTuple):
@@ -63,7 +72,7 @@ class SteadySpeeds(NamedTuple):
     def start(self, *further: str) -> Parameters:
         """Return where a climb starts, without a force.   further : parameters beyond the line that are free.
 
-        v_S lies between the second speed, so that more than one point shows the fall, and the largest.
+        v_S lies between the second speed, so that more than one point shows the fall, and the largest; v_0 below that.
         """
         sizes, scale = self.sizes, _EXACT * float(np.abs(self.F).max())
         low, high = float(sizes[min(1, sizes.size - 1)]), float(sizes[-1])
@@ -74,6 +83,7 @@ class SteadySpeeds(NamedTuple):
             Parameter("F_S", 0.0, low=0.0, free=False, scale=scale),
             Parameter("v_S", high, low=low, high=high, free=False, scale=high),
             Parameter("c_2", 0.0, free=False, scale=scale / high**2),
+            Parameter("v_0", 0.0, high=high, free=False, scale=high),
         ]
         return Parameters.of(some).freed(*further)
 
@@ -83,9 +93,19 @@ class SteadySpeeds(NamedTuple):
         assert end is not None
         freedom = self.v.size - int(np.count_nonzero(start.free))
         covariance = inverse_information(end.products[:-1, :-1], start.prior)
-        if not self.stated or end.chi_square > freedom:
-            covariance = covariance * end.chi_square / max(freedom, 1)
         return SpeedFit(end.parameters, covariance, end.chi_square, freedom, self)
+
+    def law_with(self, departure: str) -> SpeedFit:
+        """Return the best fit of the law with a departure."""
+        blank, speed = self.start(*DEPARTURES[departure]), DEPARTURES[departure][-1]
+        if departure == "c_2":
+            return self.fit(blank)
+        low, high = max(blank[speed].low, _SHARP * float(self.sizes[0])), blank[speed].high
+        blank = replace(blank, low=np.where(np.array(blank.names) == speed, low, blank.low))
+        tried = np.geomspace(max(low, float(self.sizes[0])), high, _SPEEDS).tolist()
+        return min(
+            (self.fit(blank.moved(**{speed: at})) for at in tried), key=lambda fit: fit.chi_square
+        )
 
 
 class SpeedFit(Fit):
@@ -94,19 +114,12 @@ class SpeedFit(Fit):
     def freedom_of(self, key: str) -> float:
         """Return the degrees of freedom of the error of a parameter: none are lost where errors are stated and cover
         the scatter, which else gives them."""
-        return math.inf if self.problem.stated and self.misfit <= 1.0 else self.freedom
+        return math.inf if self.problem.stated else self.freedom
 
     @property
     def left(self) -> Array:
         """Force of the law less that of the data, N, (n,)."""
         return law(self.point, self.problem.v)[0] - self.problem.F
-
-    @property
-    def noise(self) -> Array:
-        """Standard errors of the forces, N, (n,), as stated, else the scatter about the law, rounding at the least."""
-        data = self.problem
-        least = _EXACT * float(np.abs(data.F).max())
-        return data.error * (1.0 if data.stated else max(math.sqrt(self.misfit), least))
 
     def has(self, key: str) -> bool:
         """Return whether the data determine a parameter, by this law."""
@@ -114,37 +127,48 @@ class SpeedFit(Fit):
 
 
 def law(values: Array, v: Array) -> tuple[Array, Array]:
-    """Return the force at some speeds, N, (n,), and its derivatives, (n, 6).
+    """Return the force at some speeds, N, (n,), and its derivatives, (n, 7).
 
-    values : F_k, c, T_0, F_S, v_S, c_2.   v : m/s, (n,).
+    values : F_k, c, T_0, F_S, v_S, c_2, v_0.   v : m/s, (n,).
     """
-    F_k, c, T_0, F_S, v_S, c_2 = values
+    F_k, c, T_0, F_S, v_S, c_2, v_0 = values
     ratio, way = (v / v_S) ** 2, np.sign(v)
     fallen = way * np.exp(-ratio)
-    force = F_k * way + c * v + T_0 + F_S * fallen + c_2 * v * np.abs(v)
-    columns = [way, v, np.ones(v.size), fallen, 2.0 * F_S / v_S * ratio * fallen, v * np.abs(v)]
-    return force, np.column_stack(columns)
+    rounded = np.tanh(v / v_0) if v_0 > 0.0 else way
+    of_v_0 = -F_k * v / v_0**2 * (1.0 - rounded**2) if v_0 > 0.0 else np.zeros(v.size)
+    force = F_k * rounded + c * v + T_0 + F_S * fallen + c_2 * v * np.abs(v)
+    columns = [rounded, v, np.ones(v.size), fallen, 2.0 * F_S / v_S * ratio * fallen]
+    return force, np.column_stack([*columns, v * np.abs(v), of_v_0])
 
 
-def fit_speeds(data: SteadySpeeds) -> tuple[SpeedFit, list[SpeedFit], float]:
-    """Return the fit, others that explain the data about as well and that intervals are to include, and the probability
-    that scatter alone gains as much by a fall, by an F test of two parameters; 1 where too few speeds show it.
+def fit_speeds(data: SteadySpeeds) -> Selection:
+    """Return the line and the laws with a departure as they weigh, for F_k and c."""
+    line, fits = data.fit(data.start()), dict[str, SpeedFit]()
+    if data.sizes.size >= _FEWEST and line.freedom >= 3.0:
+        # in one direction the offset may hide any rounding
+        told = [name for name in DEPARTURES if data.both_ways or name != "v_0"]
+        fits = {name: data.law_with(name) for name in told}
+    least = (_EXACT * float(np.abs(data.F).max() / data.error.min())) ** 2
+    noise = max(min(fit.misfit for fit in (line, *fits.values())), least)
+    # stated errors that cover the scatter count
+    covered = data.stated and noise <= 1.0
+    noise = 1.0 if covered else noise
+    data = data._replace(error=data.error * math.sqrt(noise), stated=covered)
+    line, *others = (
+        replace(
+            fit, covariance=noise * fit.covariance, chi_square=fit.chi_square / noise, problem=data
+        )
+        for fit in (line, *fits.values())
+    )
+    n = float(data.v.size)
 
-    That the best v_S is looked for makes gains by scatter larger, and that friction only falls makes every other one
-    zero: together the test rejects as often as it says.
-    """
-    line, blank = data.fit(data.start()), data.start("F_S", "v_S")
-    if data.sizes.size < _FEWEST or line.freedom < 3.0:
-        return line, [], 1.0
-    speeds = np.geomspace(blank["v_S"].low, blank["v_S"].high, _SPEEDS).tolist()
-    falls = [data.fit(blank.moved(v_S=v_S)) for v_S in speeds]
-    fall = min(falls, key=lambda fit: fit.chi_square)
-    left = max(fall.misfit, (_EXACT * float(np.abs(data.F).max() / data.error.min())) ** 2)
-    gain = (line.chi_square - fall.chi_square) / 2.0
-    p = float(special.fdtrc(2.0, fall.freedom, max(0.0, gain / left)))
-    if p >= _P_HINT:
-        return line, [], p
-    quadratic = data.fit(data.start("c_2"))
-    alike = quadratic.chi_square < fall.chi_square + _ALIKE * left
-    others = [quadratic] if alike else []
-    return (fall, others, p) if p < _P_FALL else (line, [fall, *others], p)
+    def evidence(fit: SpeedFit) -> float:
+        share = (fit.chi_square + least / noise) / (line.chi_square + least / noise)
+        gained = (fit.freedom * math.log1p(n), line.freedom * math.log1p(n * share))
+        return 0.5 * (gained[0] - gained[1])
+
+    candidates = [
+        Candidate(name, PRIORS[f"steady {name}"], partial(replace, fit), evidence=evidence)
+        for name, fit in zip(fits, others, strict=True)
+    ]
+    return select(line, candidates, ("F_k", "c"))

@@ -87,6 +87,10 @@ PRIORS: Mapping[str, Prior] = {
     "fall": Prior(0.03, 0.15, "F_k, at rest", positive=True),
     "rounded": Prior(0.02, 0.3, "largest speed", positive=True),
     "each": Prior(0.03, 0.1, "F_k, of each record"),
+    # forces at steady speeds: laws beyond the line, without a size, too
+    "steady F_S": Prior(0.15, math.inf, "none"),
+    "steady v_0": Prior(0.1, math.inf, "none"),
+    "steady c_2": Prior(0.05, math.inf, "none"),
     # spring and damper
     "m": Prior(0.03, 0.1, "k over ω²", positive=True),
     "k_3": Prior(0.03, 0.02, "k over X²"),
@@ -342,7 +346,7 @@ def _fitted(one: Candidate, plain: Any, end: Any, keys: tuple[str, ...], noise: 
     """Return a candidate that is fitted."""
     size = (0.0, 0.0)
     with suppress(KeyError):  # one without an unknown of its name
-        size = end.value(one.name), end.error(one.name)
+        size = end.value(one.name), end.error(one.name) * math.sqrt(noise)
     if one.evidence is not None:
         evidence = one.evidence(end)
     else:

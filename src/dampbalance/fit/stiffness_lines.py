@@ -45,7 +45,9 @@ _TRIED, _RIGID = (
     60,
     1e-3,
 )  # r of one slider to start from, and the smallest, of the smallest amplitude
-_LITTLE = 0.003  # of the force K_z X of the smallest amplitude: of a slider that is not found, so that intervals hold
+# κ of a slider that is not found, of K_z, at the smallest amplitude: as large as keeps intervals of 95 % true for
+# contacts of 2 to 30 sliders
+_HIDDEN = 0.01
 _SOFTEST = 1e-9  # of |Z|: a contact that is none
 _STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
 _MULTIPLIED, _FLOOR = 60, 1e-9  # of the scatter: updates; least, of |Z|, of lines without noise
@@ -363,15 +365,17 @@ class StiffnessProblem:
         return out
 
     def covariance(self, values: Array) -> Array:
-        """Return the covariance of the unknowns, (p, p): a κ of zero may be that of a slider of little force."""
+        """Return the covariance of the unknowns, (p, p): a κ of zero may be that of a slider that hides."""
         free = self.start.free
         nodes = np.array(self.start.names) == "kappa"
         J = [self.derivatives(values, free), self.roughness]
         if nodes.any():
-            r, kappa = self.r, values[nodes]
-            none = np.flatnonzero(nodes)[kappa <= 0.0]
-            force = max(_LITTLE * float(np.sum(kappa)) * self.lines.X.min(), _SOFTEST)
-            J.append(np.eye(values.size)[none] * (r[kappa <= 0.0] / force)[:, None])
+            slips = np.flatnonzero(nodes)[: self.nodes.size]
+            kappa = values[slips]
+            # between equal κ and equal forces; next to a slider, as the r of that is known no closer
+            size = _HIDDEN * float(np.sum(kappa)) * np.sqrt(self.lines.X.min() / self.nodes)
+            size = np.maximum(size, np.convolve(kappa, [1.0, 0.0, 1.0], "same")) + _SOFTEST
+            J.append((np.eye(values.size)[slips] / size[:, None])[kappa <= 0.0])
         whole = np.vstack(J)[:, free]
         size = np.linalg.norm(whole, axis=0)
         size[size == 0.0] = 1.0

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Unpack
 import numpy as np
 
 from ..findings.finding import Finding
-from ..fit.friction_speed import SpeedFit, SteadySpeeds, fit_speeds
+from ..fit.friction_speed import DEPARTURES, SpeedFit, SteadySpeeds, fit_speeds
+from ..fit.select import Selection
 from ..law.terms import FRICTION
 from ..project.options import SpeedOptions, Stated, with_options
 from ..project.wording import listed
@@ -22,7 +23,7 @@ from ..records.channel import OF_FORCE
 from ..records.mapping import MappingLike
 from ..records.record import Record
 from ..signals.whiteness import chance_of_averages
-from .answer import UNKNOWN, Answer, Interval, ParameterEstimate, covariance_of
+from .answer import UNKNOWN, Answer, Interval, ParameterEstimate, averaged, covariance_of
 from .level import Column, Level
 from .request import read_request
 from .result import Picture, Result
@@ -43,12 +44,10 @@ _PARTS = 6  # of the range of speeds, over whose averages a residual shows
 class SpeedBasis:
     """What the answer to steady speeds rests on.
 
-    fit : of the law that is taken to the rows of all tables.   p_fall : probability that scatter alone looks like a
-    friction that falls with the speed.   rows : number of rows of each table.
+    laws : fits to the rows of all tables, as they weigh.   rows : number of rows of each table.
     """
 
-    fit: SpeedFit
-    p_fall: float
+    laws: Selection
     rows: Mapping[str, int]
 
     kind: ClassVar[str] = "friction-speed"
@@ -56,14 +55,14 @@ class SpeedBasis:
     columns: ClassVar[Mapping[str, Column]] = {}
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return the law, and the rows with its forces."""
-        fit, data = self.fit, self.fit.problem
+        """Return the weights of the laws, and the rows with the forces of the heaviest."""
+        fit, data = self.laws.fit, self.laws.fit.problem
         return {
-            "p_of_no_fall": self.p_fall,
+            "weights": weights_of(self.laws),
             "speeds": {
                 "velocity_m_per_s": data.v,
                 "force_N": data.F,
-                "force_standard_error_N": fit.noise,
+                "force_standard_error_N": data.error,
                 "force_of_the_law_N": data.F + fit.left,
             },
             "records": [{"record": name, "rows": n} for name, n in self.rows.items()],
@@ -84,7 +83,7 @@ class SpeedBasis:
         """Return the force over the speed with the law, and the friction over the size of the speed."""
         from . import speed_pictures as drawn  # slow to import
 
-        return {"speeds": Picture(drawn.speeds, (self.fit,))}
+        return {"speeds": Picture(drawn.speeds, (self.laws.fit,))}
 
 
 @with_options(SpeedOptions)
@@ -100,11 +99,13 @@ def identify_friction_speed(
     Use it for a robot joint, a motor, a bearing or a tribometer whose friction was measured speed by speed; K_z does
     not show there. The law is
 
-        T = [F_k + F_S e^{−(v/v_S)²}] sgn v + c v + T_0
+        T = F_k sgn v + c v + T_0
 
-    T_0 is an offset of the sensor, or gravity; friction that differs between the directions by 2T_0 looks alike. The
-    fall of the friction with the speed (Stribeck) is taken where the data show it clearly. Errors follow from the
-    scatter about the law, or from a column of standard errors if they cover it.
+    T_0 is an offset of the sensor, or gravity; friction that differs between the directions by 2T_0 looks alike. Laws
+    with a friction that falls with the speed, F_S e^{−(v/v_S)²} (Stribeck), or is rounded at rest, F_k tanh(v/v_0), and
+    with a quadratic damper are weighed by their evidence: F_k and c are means over all, and the intervals hold what the
+    data do not tell apart. Errors follow from the scatter about the best law, or from a column of standard errors if
+    they cover it.
 
     records : as `read_records` returns or takes them, a row for each speed, with a velocity and a force or torque, one
     table or several of one contact. Reduce samples in time to a mean at each steady speed beforehand.
@@ -124,15 +125,16 @@ def identify_friction_speed(
     """
     read, of = read_request("friction-speed", records, mapping, {"stiffness": stiffness, **options})
     data, rows, odd = _data(read)
-    fit, others, p = fit_speeds(data)
+    laws = fit_speeds(data)
+    fit = laws.fit
     power = (fit.left + data.F - fit.value("T_0")) @ data.v
     # power is given, where the offset cannot be separated by the damping, too
     if power < 0.0 and (data.both_ways or fit.value("c") < 0.0):
         odd.append(Finding("flipped", {"records": listed([*rows])}))
-        fit, others, p = fit_speeds(data._replace(F=-data.F))
-    answer, speeds, words = _answer(fit, others), data.sizes, read[0].coordinate
+        laws = fit_speeds(data._replace(F=-data.F))
+    answer, speeds, words = _answer(laws), data.sizes, read[0].coordinate
     found = Result(
-        basis=SpeedBasis(fit, p, rows),
+        basis=SpeedBasis(laws, rows),
         k=math.nan,
         sources=tuple(rows),
         estimates={answer.name: answer},
@@ -142,7 +144,7 @@ def identify_friction_speed(
             f"{words.unit('m/s')}, with 95 % intervals"
         ),
         rig=(),
-        check=[*_rig(fit, p)],
+        check=[*_rig(laws)],
         records=tuple(read),
         options=of,
     )
@@ -185,14 +187,18 @@ def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], list
     return SteadySpeeds(v, F, error if stated else np.ones(v.size), stated), rows, odd
 
 
-def _answer(fit: SpeedFit, others: Sequence[SpeedFit]) -> Answer:
-    """Return the answer of a fit.   others : fits whose intervals are to be included."""
+def weights_of(laws: Selection) -> dict[str, float]:
+    """Return the weight of each law, by its name."""
+    return {name: laws.weight(symbol) for symbol, name in _LAWS.items()}
+
+
+def _answer(laws: Selection) -> Answer:
+    """Return the answer of the laws as they weigh."""
+    fit: SpeedFit = laws.fit
     notes, parameters = list[Finding](), {}
     for symbol in (FRICTION, "c"):
-        p = ParameterEstimate(fit.value(symbol), fit.error(symbol), Interval(*fit.interval(symbol)))
-        for other in others:
-            p = p.holding(Interval(*other.interval(symbol)))
-        parameters[symbol] = p
+        ends = Interval(*fit.interval(symbol))
+        parameters[symbol] = ParameterEstimate(fit.value(symbol), fit.error(symbol), ends)
     if not fit.problem.both_ways:
         sum_of = fit.value(FRICTION), fit.error(FRICTION)
         notes.append(Finding("one direction", {"sum": sum_of}))
@@ -204,8 +210,6 @@ def _answer(fit: SpeedFit, others: Sequence[SpeedFit]) -> Answer:
         if p.interval.high < 0.0:
             notes.append(Finding("negative at steady speeds", {"value": ((symbol, p.value),)}))
             parameters[symbol] = UNKNOWN
-    if others:
-        notes.append(Finding("fall hinted", {"quadratic": fit.has("F_S")}))
     notes += _departure(fit)
     merit: dict[str, Any] = {"residual_rms_N": float(np.sqrt(np.mean(fit.left**2)))}
     merit |= {"misfit": fit.misfit} if fit.problem.stated else {}
@@ -215,38 +219,49 @@ def _answer(fit: SpeedFit, others: Sequence[SpeedFit]) -> Answer:
             merit |= {f"{key}_standard_error_{unit}": fit.error(name)}
     known = [s for s, p in parameters.items() if p is not UNKNOWN]
     covariance = covariance_of(parameters, known, fit.covariance_of(*known))
-    name = "Stribeck" if fit.has("F_S") else "Coulomb"
-    return Answer(name, parameters, covariance, tuple(notes), merit=merit)
+    answer = Answer(_LAWS[laws.best.name], parameters, covariance, tuple(notes), merit=merit)
+    return averaged(answer, laws)
 
 
-_FURTHER = {"T_0": ("offset", "N"), "F_S": ("F_S", "N"), "v_S": ("v_S", "m_per_s")}
+_LAWS = {"": "Coulomb", "F_S": "Stribeck", "v_0": "rounded", "c_2": "quadratic"}
+_FURTHER = {
+    "T_0": ("offset", "N"),
+    "F_S": ("F_S", "N"),
+    "v_S": ("v_S", "m_per_s"),
+    "v_0": ("v_0", "m_per_s"),
+    "c_2": ("c_2", "N_s2_per_m2"),
+}
 """Further numbers of a fit: key and unit of the document."""
 
 
 def _departure(fit: SpeedFit) -> Iterator[Finding]:
     """Yield a finding where the residual follows the speed: the force is another function of it."""
-    data, unknowns = fit.problem, sum(map(fit.has, ("F_k", "c", "F_S", "v_S")))
+    data, unknowns = fit.problem, sum(map(fit.has, ("F_k", "c", "F_S", "v_S", "v_0", "c_2")))
     order = np.argsort(np.abs(data.v), kind="stable")
-    left = (np.sign(data.v) * fit.left / fit.noise)[order]
+    left = (np.sign(data.v) * fit.left / data.error)[order]
     width = max(2, left.size // _PARTS)
     p = chance_of_averages([left], [width], unknowns)
     if p < _P_OTHER:
         parts = left[: left.size // width * width].reshape(-1, width).mean(axis=1)
-        size = float(np.abs(parts).max() * np.median(fit.noise))
+        size = float(np.abs(parts).max() * np.median(data.error))
         with np.errstate(divide="ignore"):
             of = np.abs([fit.value(FRICTION), fit.value("c") * data.sizes[-1]])
             effect = dict(zip((FRICTION, "c"), (size / of).tolist(), strict=True))
         yield Finding("other law of speed", {"size": size, "p": p}, effect)
 
 
-def _rig(fit: SpeedFit, p: float) -> Iterator[Finding]:
-    """Yield findings on the other numbers of the law, and on what steady speeds do not show.   p : that scatter alone
-    looks like a fall."""
+def _rig(laws: Selection) -> Iterator[Finding]:
+    """Yield findings on the other numbers of the law, and on what steady speeds do not show."""
+    fit = laws.fit
     of = {name: (fit.value(name), fit.error(name)) for name in _FURTHER}
     if fit.has("T_0"):
         yield Finding("offset", {"offset": of["T_0"]})
-    if fit.has("F_S"):
-        yield Finding("Stribeck", {**of, "p": p})
-    elif p < 1.0:
-        yield Finding("no fall", {"p": p})
+    for name, code in _SHOWN.items():
+        if fit.has(name):
+            yield Finding(code, {symbol: of[symbol] for symbol in DEPARTURES[name]})
+    if len(laws.models) > 1:
+        yield Finding("laws of speed", weights_of(laws))
     yield Finding("no K_z")
+
+
+_SHOWN = {"F_S": "Stribeck", "v_0": "rounded at rest", "c_2": "quadratic damper"}
