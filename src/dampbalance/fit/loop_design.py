@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..law.contact import Sliders
 from ..signals.loops import Loop
 from .parameters import Parameter
@@ -101,10 +101,10 @@ class Design:
         return np.array([left[own] @ left[own] for own in self.own])
 
     @cached_property
-    def _place(self) -> tuple[Array, Array]:
+    def _place(self) -> tuple[Integers, Array]:
         """Record and phase of each sample, (n,) each."""
         cycles = [loop.cycles for loop in self.loops]
-        phase = np.concatenate([np.arange(of) / of for of in np.diff(self.ends)])
+        phase = np.concatenate([np.arange(float(of)) / of for of in np.diff(self.ends).tolist()])
         return np.repeat(np.arange(len(cycles)), cycles)[self.cycle], phase
 
     def shared(self, left: Array) -> float:
@@ -113,9 +113,9 @@ class Design:
         record, phase = self._place
         at = (record * _PHASES + (_PHASES * phase).astype(int)).astype(int)
         counts = np.maximum(np.bincount(at), 1)
-        values = np.count_nonzero(np.bincount(at))
+        values = float(np.unique(at).size)
         common = float(np.sum(np.bincount(at, left) ** 2 / counts)) / left.size
-        scatter = (float(np.mean(left**2)) - common) * values / max(left.size - values, 1)
+        scatter = (float(np.mean(left**2)) - common) * values / max(left.size - values, 1.0)
         return max(0.0, common - scatter * (1.0 + 2.0 * math.sqrt(2.0 / values)))
 
     def patterns(self, count: int, points: int) -> Array:

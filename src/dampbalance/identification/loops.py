@@ -496,6 +496,7 @@ def _other_shape(fit: LoopFit) -> Iterator[Finding]:
 
 _SAID_OF = {
     **{"k": "parallel spring", "n": "rounded knee", "F_S": "friction falls"},
+    **{"v_0": "speed alone", "k_3": "hardening spring"},
     **{"c_2": "quadratic damper", "m": "mass between"},
 }
 """Number of a fit → the finding that states it."""
