@@ -52,7 +52,9 @@ _STEP = 1e-4  # of a parameter of the shape, of a difference quotient
 _KNEE, _ROUNDED = 0.98, 0.8  # of F_k: a rounded knee, or speed, counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
-_INDEPENDENT = 20  # values in what is left beyond the noise of a cycle of a record
+_INDEPENDENT = 10  # values in what is left beyond the noise of a cycle of a record
+DIFFER = 0.002
+"""Part of F_k between records that matters."""
 _REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
 _EXACT = 1e-7  # of the force: what rounding leaves of a residual
 _ROUNDS, _STAYS = 4, 0.01  # of climbs, each to within what is left, until one gains less of it
@@ -227,7 +229,9 @@ class SliderProblem(LoopProblem):
         left = self.left(values, slopes)
         without = values + without_each_block(design, slopes, left)
         drawn = np.linalg.lstsq(slopes.T, self.drawn(values, left).T)[0].T
-        without, drawn = (np.clip(of, limits.low, limits.high) for of in (without, values - drawn))
+        without, drawn = (
+            np.minimum(np.maximum(of, limits.low), limits.high) for of in (without, values - drawn)
+        )
         return LoopFit.of(self, start, slopes, left, without, drawn)
 
 
@@ -494,6 +498,7 @@ def _with_own_forces(fit: LoopFit) -> LoopFit | None:
     """Return the fit with a friction force of each record of its own; None of one record."""
     if len(fit.design.loops) < 2 or not fit.slips:
         return None
+    given = fit.design.loops
     for _ in range(_REFITS):
         design, contact, loops = fit.design, fit.contact, fit.design.loops
         slope = design.stacked([slope_of(contact, loop) for loop in loops])
@@ -507,7 +512,8 @@ def _with_own_forces(fit: LoopFit) -> LoopFit | None:
         pairs = zip(loops, loads / loads.mean(), strict=True)
         design = Design([replace(loop, load=loop.load * float(of)) for loop, of in pairs])
         fit = replace(fit.problem, design=design).fitted(fit.parameters)
-    return fit
+    pairs = zip(fit.design.loops, given, strict=True)
+    return fit if np.ptp([loop.load / of.load for loop, of in pairs]) > DIFFER else None
 
 
 @lru_cache(maxsize=4)  # asked for by the intervals, the report and the document
