@@ -228,10 +228,8 @@ class SliderProblem(LoopProblem):
         values, slopes = start.values, self.slopes(start.values)
         left = self.left(values, slopes)
         without = values + without_each_block(design, slopes, left)
-        drawn = np.linalg.lstsq(slopes.T, self.drawn(values, left).T)[0].T
-        without, drawn = (
-            np.minimum(np.maximum(of, limits.low), limits.high) for of in (without, values - drawn)
-        )
+        drawn = np.array(np.linalg.lstsq(slopes.T, self.drawn(values, left).T)[0].T, np.float64)
+        without, drawn = (np.clip(of, limits.low, limits.high) for of in (without, values - drawn))
         return LoopFit.of(self, start, slopes, left, without, drawn)
 
 
