@@ -83,6 +83,34 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     assert np.mean(inside) > 0.84
 
 
+@pytest.mark.parametrize("x", [SINE, TRIANGLE], ids=["sine", "triangle"])
+def test_noise_of_the_displacement_rounds_no_corner(x):
+    """Of 0.2 % of its range, of which 1 % of the way to slip is left: a slider that reverses with it is 20 % off."""
+    own = loop(x, c=0.0)
+    noisy = x + 0.004 * X * np.random.default_rng(6).normal(size=T.size)
+    fit = fitted(Loop.of("noisy", T, noisy, own.f).settled())
+    assert fit.value("F_k") == pytest.approx(F_K, rel=0.005)
+    for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
+        # five standard errors are exceeded once in 20,000 cases of 18 degrees of freedom
+        assert abs(fit.value(symbol) - true) < 5.0 * fit.error(symbol), symbol
+
+
+def test_a_force_of_the_speed_and_a_hardening_spring_are_told_from_a_slider():
+    v = np.gradient(SINE, T)
+    noise = 0.01 * F_K * np.random.default_rng(7).normal(size=T.size)
+    v_0 = 0.3 * 2.0 * np.pi * X
+    rounded = loop(contact=()).f + F_K * np.tanh(v / v_0)
+    hard = loop().f + 5.0 * (SINE / X) ** 3 + noise
+    for force, name, truth in (
+        (rounded, "rounded", {"F_k": F_K, "v_0": v_0}),
+        (hard, "k_3", {"F_k": F_K, "K_z": K_Z, "k_3": 5.0 / X**3}),
+    ):
+        found = weigh(Design([Loop.of(name, T, SINE, force).settled()]))
+        assert found.names == (name,)
+        for symbol, true in truth.items():
+            assert abs(found.fit.value(symbol) - true) < 5.0 * found.fit.error(symbol), symbol
+
+
 def test_a_force_of_the_other_sign_is_turned():
     own, other = loop(), loop(sign=-1.0)
     assert (own.flipped, other.flipped) == (False, True)

@@ -132,3 +132,11 @@ def test_a_rounded_knee_follows_its_closed_form(n, law):
     z_0, back = z[100], top - x[100:]
     later = np.where(back < z_0, z_0 - back, -r * law(np.maximum(back - z_0, 0.0) / r))
     np.testing.assert_allclose(z[100:], later, atol=1e-8)
+
+
+def test_a_contact_of_dahl_follows_its_exponential_either_way():
+    """dz/dx = 1 − (z/r) sgn ẋ: from rest, and back from z_0 along −r + (z_0 + r) e^{−s/r}."""
+    r, s = 0.2, np.linspace(0.0, 0.5, 101)
+    z = play(np.concatenate([s, 0.5 - s[1:]]), r, n=0.0)[0]
+    np.testing.assert_allclose(z[:101], r * (1.0 - np.exp(-s / r)), atol=1e-12)
+    np.testing.assert_allclose(z[100:], (z[100] + r) * np.exp(-s / r) - r, atol=1e-12)

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Integers
 from ..law.contact import Sliders
 from ..signals.loops import Loop
 from .parameters import Parameter
@@ -23,7 +23,7 @@ _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference 
 ZERO = 1e-300  # beside what may be zero
 # part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
 _BETWEEN, _STEADY = 0.8, 0.1
-_APART = 100  # part of a cycle, from which on samples of noise are independent
+_PHASES = 100  # of a cycle, at which a residual is averaged over cycles
 _INDEPENDENT = 0.1  # of a column, which no combination of those before it makes
 
 
@@ -52,7 +52,8 @@ def lost(loop: Loop, contact: Sliders, values: Mapping[str, float]) -> Array:
 
 def motions_of(loop: Loop) -> dict[str, Array]:
     """Return the columns of the terms that a motion has beyond friction and spring, by symbol, (n,)."""
-    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": np.gradient(loop.v, loop.t)}
+    inertia = np.gradient(loop.v, loop.t)
+    return {"c": loop.v, "c_2": loop.v * np.abs(loop.v), "m": inertia, "k_3": loop.x**3}
 
 
 class Design:
@@ -99,22 +100,30 @@ class Design:
         """Return the sum of squares of each block, (blocks,)."""
         return np.array([left[own] @ left[own] for own in self.own])
 
+    @cached_property
+    def _place(self) -> tuple[Integers, Array]:
+        """Record and phase of each sample, (n,) each."""
+        cycles = [loop.cycles for loop in self.loops]
+        phase = np.concatenate([np.arange(float(of)) / of for of in np.diff(self.ends).tolist()])
+        return np.repeat(np.arange(len(cycles)), cycles)[self.cycle], phase
+
     def shared(self, left: Array) -> float:
-        """Return the mean square of what of a residual is certainly no white noise, N²: samples a hundredth of a cycle
-        apart share it."""
-        apart = max(1, left.size // (self.ends.size - 1) // _APART)
-        same = self.cycle[apart:] == self.cycle[:-apart]
-        product = float(np.mean((left[apart:] * left[:-apart])[same]))
-        return max(0.0, product - 2.0 * float(np.mean(left**2)) / math.sqrt(left.size))
+        """Return the mean square of what of a residual all cycles of a record have in common, N², to which the scatter
+        between cycles is blind: of its means at each phase, without what the scatter makes of them."""
+        record, phase = self._place
+        at = (record * _PHASES + (_PHASES * phase).astype(int)).astype(int)
+        counts = np.maximum(np.bincount(at), 1)
+        values = float(np.unique(at).size)
+        common = float(np.sum(np.bincount(at, left) ** 2 / counts)) / left.size
+        scatter = (float(np.mean(left**2)) - common) * values / max(left.size - values, 1.0)
+        return max(0.0, common - scatter * (1.0 + 2.0 * math.sqrt(2.0 / values)))
 
     def patterns(self, count: int, points: int) -> Array:
         """Return patterns that all cycles of a record share, each with either sign, (2 count, n): lines between random
         points of unit size.   points : in a cycle."""
         draw = np.random.default_rng(1).normal(size=(count, len(self.loops), points))
-        phase = np.concatenate([np.linspace(0.0, points, of) for of in np.diff(self.ends)])
-        cycles = [loop.cycles for loop in self.loops]
-        record = np.repeat(np.arange(len(cycles)), cycles)[self.cycle]
-        before, part = phase.astype(int) % points, phase % 1.0
+        record, phase = self._place
+        before, part = (points * phase).astype(int), points * phase % 1.0
         after = (before + 1) % points
         lines = (1.0 - part) * draw[:, record, before] + part * draw[:, record, after]
         # the mean square of a line between two of them is two thirds
@@ -144,7 +153,7 @@ class Design:
         curved = self.with_c and independent(self.motions["c_2"], [self.v, np.sign(self.v)])
         inertia = self.timed and independent(self.motions["m"], [*self.base])
         open_to = {"gap": True, "fall": curved, "knee": True, "dahl": True, "rounded": self.with_c}
-        open_to |= {"c_2": curved, "m": inertia}
+        open_to |= {"c_2": curved, "m": inertia, "k_3": True}
         return tuple(name for name in open_to if open_to[name])
 
     def linear(self, names: Sequence[str]) -> Array:

@@ -49,10 +49,12 @@ _CERTAIN = 4.0  # standard errors of F_k that is there
 # of the samples of a cycle: fewer do not show the force at which the contact slips
 _SLIPPING = 0.02
 _STEP = 1e-4  # of a parameter of the shape, of a difference quotient
-_KNEE = 0.98  # of F_k: a rounded knee counts as slip from here on
+_KNEE, _ROUNDED = 0.98, 0.8  # of F_k: a rounded knee, or speed, counts as slip from here on
 SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
 WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
-_INDEPENDENT = 20  # values in what is left beyond the noise of a cycle of a record
+_INDEPENDENT = 10  # values in what is left beyond the noise of a cycle of a record
+DIFFER = 0.002
+"""Part of F_k between records that matters."""
 _REFITS = 3  # of records whose friction differs: each leaves the square of the difference before
 _EXACT = 1e-7  # of the force: what rounding leaves of a residual
 _ROUNDS, _STAYS = 4, 0.01  # of climbs, each to within what is left, until one gains less of it
@@ -66,6 +68,7 @@ EXTENSIONS: dict[str, dict[str, tuple[float, ...]]] = {
     "rounded": {"v_0": (0.01, 0.1, 0.3, 1.0)},
     "c_2": {},
     "m": {},
+    "k_3": {},
 }
 """Extensions of one slider by name: the parameters of its shape that become free, and where their search starts, g over
 X, v_0 over the largest speed, and see `SliderProblem`."""
@@ -225,7 +228,7 @@ class SliderProblem(LoopProblem):
         values, slopes = start.values, self.slopes(start.values)
         left = self.left(values, slopes)
         without = values + without_each_block(design, slopes, left)
-        drawn = np.linalg.lstsq(slopes.T, self.drawn(values, left).T)[0].T
+        drawn = np.array(np.linalg.lstsq(slopes.T, self.drawn(values, left).T)[0].T, np.float64)
         without, drawn = (np.clip(of, limits.low, limits.high) for of in (without, values - drawn))
         return LoopFit.of(self, start, slopes, left, without, drawn)
 
@@ -361,7 +364,7 @@ class LoopFit(Fit):
         i = int(np.flatnonzero(contact.kappa).max(initial=0))
         r = contact.r[i : i + 1]
         share = self.design.forces(replace(contact, r=r, kappa=1.0 / r))
-        knee = 1.0 - 1e-9 if math.isinf(contact.n) else _KNEE
+        knee = 1.0 - 1e-9 if contact.plain else _KNEE if not contact.v_0 else _ROUNDED
         slipping = float(np.mean(np.abs(share) > knee * self.design.load))
         return slipping > _SLIPPING and self.value("F_k") > _CERTAIN * self.error("F_k")
 
@@ -435,8 +438,12 @@ def weigh(design: Design, *, backlash: bool = True) -> Selection:
         others = {"each": None if "each" in names else _with_own_forces(fit)}
         others |= {} if names else {"gradual": gradual}
         if not {"gradual", "each"} & {*names}:
-            knees = _KNEES if _KNEES & {*names} else set()
-            closed = {*names, *knees, *(["gap"] if not backlash else [])}
+            closed = {
+                *names,
+                *(_KNEES if _KNEES & {*names} else ()),
+                *([] if backlash else ["gap"]),
+            }
+            closed |= {"gap", "fall"} if "rounded" in names else set()
             own = fit.problem.extensions
             others |= {
                 of: slider(design, (*own, of), fit) for of in design.extensions if of not in closed
@@ -489,6 +496,7 @@ def _with_own_forces(fit: LoopFit) -> LoopFit | None:
     """Return the fit with a friction force of each record of its own; None of one record."""
     if len(fit.design.loops) < 2 or not fit.slips:
         return None
+    given = fit.design.loops
     for _ in range(_REFITS):
         design, contact, loops = fit.design, fit.contact, fit.design.loops
         slope = design.stacked([slope_of(contact, loop) for loop in loops])
@@ -502,7 +510,8 @@ def _with_own_forces(fit: LoopFit) -> LoopFit | None:
         pairs = zip(loops, loads / loads.mean(), strict=True)
         design = Design([replace(loop, load=loop.load * float(of)) for loop, of in pairs])
         fit = replace(fit.problem, design=design).fitted(fit.parameters)
-    return fit
+    pairs = zip(fit.design.loops, given, strict=True)
+    return fit if np.ptp([loop.load / of.load for loop, of in pairs]) > DIFFER else None
 
 
 @lru_cache(maxsize=4)  # asked for by the intervals, the report and the document

@@ -19,6 +19,7 @@ from ..balance import Rows
 from ..findings.finding import Finding
 from ..fit.loop_design import MOST_BLOCKS, Design, force_of, slope_of
 from ..fit.loops import (
+    DIFFER,
     SLIDERS,
     WITHIN,
     LoopFit,
@@ -61,7 +62,6 @@ _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
 _CERTAIN = 4.0  # standard errors by which a damping is negative
 _TREND = 4.0  # standard errors of a trend that is worth a sentence
 _NO_SLIDER = 0.2  # of F_k or of the loss, from which on a residual bounds no number of the fit
-_DIFFER = 0.002  # of F_k, between records: less does not matter
 MOST_SAMPLES = 60_000
 """Samples that a contact is fitted to; of longer records runs of cycles are."""
 
@@ -327,7 +327,7 @@ def identify_loops(
     normal = normal or measured
     weighed = _weighed(loops, backlash)
     fits = {name: one.fit for name, one in weighed.items()}
-    answers = {name: _answer(name, one, loops, fits) for name, one in weighed.items()}
+    answers = {name: _answer(name, one, loops) for name, one in weighed.items()}
     first = next(iter(fits.values()), None)
     found = Result(
         basis=LoopBasis(loops, fits, normal),
@@ -390,19 +390,13 @@ def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
     return a, loop.by_cycle(loop.v), loop.lost - quadratic
 
 
-def _answer(
-    name: str, weighed: Selection, loops: Sequence[Loop], fits: Mapping[str, LoopFit]
-) -> Answer:
-    """Return the answer of the contacts that were weighed: its numbers with intervals, and the rows of its cycles.
-
-    fits : of all answers.
-    """
+def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
+    """Return the answer of the contacts that were weighed: its numbers with intervals, and the rows of its cycles."""
     from scipy.stats import t as student  # slow to import
 
     fit: LoopFit = weighed.fit
-    notes, design, slider = list[Finding](), fit.design, fits["one slider"]
-    # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers; and
-    # one slider what yielding does to c
+    notes, design = list[Finding](), fit.design
+    # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers
     others = []
     if name == "gradual":
         fewer = (WITHIN[0], _SOFTEST), (_STIFFEST, WITHIN[1])
@@ -420,8 +414,7 @@ def _answer(
         value, error = map(float, numbers[key])
         if not fit.slips or not (error > 0.0 and (value > 0.0 or symbol == "c")):
             return UNKNOWN
-        compared = [*others, slider] if symbol == "c" and others else others
-        off = max((abs(other.value(key) - value) for other in compared), default=0.0)
+        off = max((abs(other.value(key) - value) for other in others), default=0.0)
         # other choices bound it, as a rectangular distribution (GUM 4.3.7); further records have other frictions
         reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom)) * error
         known = ParameterEstimate(value, error, Interval(value - reach, value + reach))
@@ -496,6 +489,7 @@ def _other_shape(fit: LoopFit) -> Iterator[Finding]:
 
 _SAID_OF = {
     **{"k": "parallel spring", "n": "rounded knee", "F_S": "friction falls"},
+    **{"v_0": "speed alone", "k_3": "hardening spring"},
     **{"c_2": "quadratic damper", "m": "mass between"},
 }
 """Number of a fit → the finding that states it."""
@@ -509,7 +503,7 @@ def _rig(
     fitted, total = (sum(loop.cycles for loop in some) for some in (fit.design.loops, settled))
     if fitted < total:
         yield Finding("excerpt", {"fitted": fitted, "all": total, "runs": MOST_BLOCKS})
-    if np.ptp([loop.load for loop in fit.design.loops]) > _DIFFER:
+    if np.ptp([loop.load for loop in fit.design.loops]) > DIFFER:
         forces = tuple((fit.value(FRICTION) * one.load, one.name) for one in fit.design.loops)
         N = normal[0] if normal and loops[0].N is not None else 0.0
         yield Finding("friction of each", {"forces": forces, "N": N})
