@@ -227,7 +227,7 @@ def compare_laws(
             fit = refit(fit, given={"m": mass}) or fit
         if fit is None:
             return LawTest(kept), None
-        balance = _by_balance(kept, tried, readings, CommonFit(fit)) if rubs else alone
+        balance = _by_balance(kept, tried, readings, CommonFit.of(fit)) if rubs else alone
         p = probability(fit.chi_square, fit.freedom, fit.lines)
         waveforms = {"waveforms": Probability(fit.chi_square, fit.freedom, p)}
         in_phase = tuple(fit.in_phase.tolist())

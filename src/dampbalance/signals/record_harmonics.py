@@ -57,6 +57,7 @@ class RecordHarmonics:
     of_base : how many times the base motion was added to what was measured of the response, 1 for one measured against
     the base.
     folds : what harmonics beyond half the sampling rate may add; None where that is far below the errors.
+    interval : between samples, s; that of the slowest channel.
     """
 
     omega: float
@@ -69,6 +70,7 @@ class RecordHarmonics:
     base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
     of_base: float = 0.0
     folds: Folds | None = None
+    interval: float = 1e-3  # of usual recorders
 
     @property
     def relative_error(self) -> float:
@@ -110,6 +112,7 @@ class RecordHarmonics:
             base=np.where(clear, y[higher] * np.exp(-1j * higher * np.angle(base)), 0.0),
             of_base=steady.added,
             folds=folds if (size > _FOLDS * noise).any() else None,
+            interval=max(channel.dt for channel in steady.channels.values()),
         )
 
 

@@ -48,13 +48,6 @@ P_AS_WELL = 0.05
 AS_WELL = -2.0 * math.log(P_AS_WELL)
 """Difference of χ² of that ratio, six."""
 
-P_CAUSE = 0.005
-"""The contact that yields gradually, which hardly shows otherwise, the turn of a phase, which moves c by several times
-itself before it shows, and a delay or k_3 of the fundamentals: fitted along in forced records."""
-
-P_DEPARTURE = 1e-3
-"""Each other departure of forced records: fitted along, it costs accuracy."""
-
 P_FURTHER_TERM = 0.02
 """A further term of the damping of decays: friction that falls with the speed imitates damping, so that a weak sign
 counts."""
@@ -71,8 +64,6 @@ TESTS: Mapping[str, int] = {
     "P_OF_THE_MODEL": 3,  # forced records, the residual of decays, half cycles
     "P_SHOWN": 4,  # slip, mass, F_k and c of the balance
     "P_AS_WELL": 0,
-    "P_CAUSE": 3,  # gradual, corner, delay
-    "P_DEPARTURE": 6,  # gain, frame, friction, damping and spring
     "P_FURTHER_TERM": 1,  # asked once, of the whole list
     "P_ONE_OSCILLATOR": 4,  # steps in which the decays of a set are joined
     "P_STEP_BACK": 0,
