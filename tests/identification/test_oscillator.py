@@ -9,7 +9,7 @@ import pytest
 
 from dampbalance.findings.finding import UNBOUNDED, Finding
 from dampbalance.identification.answer import doubted
-from dampbalance.identification.oscillator import common_fit, with_common_fit
+from dampbalance.identification.oscillator import CommonFit, common_fit, with_common_fit
 from identification.levels import read
 from paper_case import NEAR, PAPER, orbits_at
 from signals.harmonics import lines_of
@@ -27,7 +27,7 @@ def test_records_of_an_oscillator_are_one_and_nothing_else():
     whole = common_fit(lines(), PAPER.k)
     assert whole.waveforms_hold
     assert whole.stuck is None
-    assert whole.explained == ()
+    assert whole.clear == ()
     for name in ("F_k", "c", "m"):
         assert abs(getattr(whole.fit, name) - getattr(PAPER, name)) < 4.0 * whole.fit.error(name)
 
@@ -72,9 +72,9 @@ def test_the_fit_takes_a_mass_only_where_it_is_known_better_than_the_records_kno
         whole = common_fit(lines(), PAPER.k, PAPER.m, mass_error=part * error)
         assert whole.mass_taken == (part < 1.0)
         assert whole.mass_fits
-    # 6 errors of the records alone, and 2.7 of the difference: √(1 + 2²) times as large
+    # 8 errors of the records alone, and 3.6 of the difference: √(1 + 2²) times as large
     for uncertain, agrees in ((0.0, False), (2.0 * error, True)):
-        mass = free.m + 6.0 * error
+        mass = free.m + 8.0 * error
         whole = common_fit(lines(), PAPER.k, mass, mass_error=uncertain)
         assert (whole.mass_fits, whole.mass_taken) == (agrees, False)
         np.testing.assert_array_equal(whole.fit.point, free.point)
@@ -83,12 +83,12 @@ def test_the_fit_takes_a_mass_only_where_it_is_known_better_than_the_records_kno
 @pytest.mark.parametrize("mass", [None, PAPER.m])
 def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
     whole = common_fit(lines(late=1e-3, sigma=1e-7), PAPER.k, mass)
-    assert whole.explained[0].names == ("delay",)
+    assert whole.clear == ("delay",)
     value, error = whole.delay
     assert abs(value - 1e-3) < 4.0 * error
     assert abs(whole.fit.c - PAPER.c) < 4.0 * whole.fit.error("c")
     found = [common_fit(lines(seed=seed), PAPER.k, mass) for seed in range(4)]
-    assert not any(whole.explained for whole in found)
+    assert not any(whole.clear for whole in found)
     assert max(abs(value / error) for value, error in (whole.delay for whole in found)) < 4.0
 
 
@@ -98,7 +98,7 @@ def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
     shared = with_common_fit(readings, whole)
     assert [reading.waveform for reading in shared] == list(whole.fit.waveforms)
     assert all(reading.slips for reading in shared)
-    without = with_common_fit(readings, replace(whole, fit=None))
+    without = with_common_fit(readings, replace(whole, selection=None))
     assert [reading.waveform for reading in without] == [None, None]
     assert [reading.slips for reading in without] == [None, None]
 
@@ -107,7 +107,8 @@ def test_a_search_that_did_not_converge_is_said():
     whole = common_fit(lines(), PAPER.k)
     assert whole.fit.converged
     assert whole.notes == ()
-    ended = replace(whole, fit=replace(whole.fit, promise=1.0))  # 1.4 standard errors further on
+    # 1.4 standard errors further on
+    ended = CommonFit.of(replace(whole.fit, promise=1.0))
     early = (Finding("not converged", effect=UNBOUNDED),)
     assert ended.notes == early
     judged = doubted({"fit": ended.answer}, [])["fit"].verdicts["F_k"]

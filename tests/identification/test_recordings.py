@@ -90,7 +90,7 @@ def test_what_is_said_to_settle_is_left_out_however_small_it_is(hertz, seed):
     osc = Oscillator(m=3.1, c=20.0, k=5200.0, K_z=160_000.0, F_k=2.1)
     found = identify([*switched_on(osc, hertz, 0.0005, 95, seed)], osc.k)
     assert not any(one.numbers.get("skip") for one in found.findings)
-    assert not found.basis.common.explained
+    assert found.basis.common.clear == ()
     for symbol in ("F_k", "c", "K_z"):
         true, error = getattr(osc, symbol), found.standard_errors[symbol]
         assert abs(found.values[symbol] - true) < ERRORS * error < 0.002 * true, symbol

@@ -13,7 +13,6 @@ import pytest
 from dampbalance.balance import Rows
 from dampbalance.findings.finding import UNBOUNDED, Finding
 from dampbalance.identification.answer import (
-    FUNDAMENTALS,
     REFERENCE,
     UNKNOWN,
     Answer,
@@ -23,7 +22,7 @@ from dampbalance.identification.answer import (
     doubted,
 )
 from dampbalance.identification.balance_check import forbidden, notes_on
-from dampbalance.identification.diagnosis import agreement, on_records
+from dampbalance.identification.diagnosis import agreement
 from dampbalance.identification.oscillator import CommonFit
 from dampbalance.identification.result import Result
 from dampbalance.identification.screen import in_one, with_interval
@@ -296,18 +295,3 @@ def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference
         with_parameters(c=off),
     )
     assert any(one.code == "contradicts" for one in warnings) == apart
-
-
-@pytest.mark.parametrize(("chi_square", "spared"), [(3.0, True), (1e4, False)])
-def test_a_distorted_drive_doubts_fundamentals_that_their_noise_does_not_explain(
-    chi_square, spared
-):
-    distorted = Finding("base", effect={"": 0.4})
-    steady = SimpleNamespace(source="a", warnings=())
-    reading = SimpleNamespace(steady=steady, warnings=(distorted, NOTED))
-    alone = SimpleNamespace(chi_square=chi_square, freedom=3)
-    said, noted = on_records([reading], CommonFit(None, fundamentals=alone))
-    assert said.spares(FUNDAMENTALS) == spared
-    assert said.spares("direct")
-    assert said.spares(REFERENCE)
-    assert not any(map(noted.spares, ("direct", REFERENCE, FUNDAMENTALS)))

@@ -74,9 +74,7 @@ def outcome(run: tuple[float, int, int]) -> list[dict[str, object]]:
     of_set = {
         "hertz": run[0],
         "records": f"{truth.answers[0]}, {'filtered' if filtered else 'as it is'}",
-        "causes": ", ".join(
-            name for one in result.basis.common.explained[:1] for name in one.names
-        ),
+        "causes": ", ".join(result.basis.common.clear),
     }
     rows: list[dict[str, object]] = []
     for symbol in SYMBOLS:

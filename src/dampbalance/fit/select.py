@@ -30,7 +30,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import special
+from scipy import optimize, special
 
 from ..arrays import Array
 from .score import Departure
@@ -63,18 +63,18 @@ class Prior(NamedTuple):
 
 PRIORS: Mapping[str, Prior] = {
     # channels
-    "delay": Prior(0.03, 1.0, "sample interval"),
-    "gain": Prior(0.03, 0.02, "gain"),
-    "corner": Prior(0.03, 0.03, "frequency of the slowest record", positive=True),
-    "frame": Prior(0.01, 1.0, "none: the response is relative or absolute"),
+    "delay": Prior(0.015, 2.0, "sample interval"),
+    "gain": Prior(0.02, 0.02, "gain"),
+    "corner": Prior(0.01, 0.03, "frequency of the slowest record", positive=True),
+    "frame": Prior(0.005, 1.0, "none: the response is relative or absolute"),
     # friction
-    "friction_level": Prior(0.03, 0.1, "F_k"),
-    "friction_speed": Prior(0.03, 0.15, "F_k", positive=True),
+    "friction_level": Prior(0.02, 0.1, "F_k"),
+    "friction_speed": Prior(0.02, 0.15, "F_k", positive=True),
     "falling": Prior(0.03, 0.15, "F_k", positive=True),
     "fading": Prior(0.07, 0.1, "F_k"),
     "frictions": Prior(0.1, 0.05, "F_k"),
     # contact
-    "gradual": Prior(0.05, 0.5, "contact of Iwan", positive=True),
+    "gradual": Prior(0.1, 0.5, "contact of Iwan", positive=True),
     "gradual in decays": Prior(0.4, 0.5, "contact of Iwan", positive=True),
     # stepped sine: models that are no extensions of each other, without a size
     "gradual contact": Prior(0.4, math.inf, "none"),
@@ -93,9 +93,9 @@ PRIORS: Mapping[str, Prior] = {
     "steady c_2": Prior(0.05, math.inf, "none"),
     # spring and damper
     "m": Prior(0.03, 0.1, "k over ω²", positive=True),
-    "k_3": Prior(0.03, 0.02, "k over X²"),
+    "k_3": Prior(0.02, 0.02, "k over X²"),
     "pendulum": Prior(0.1, 0.0, "none: the spring of a rotation is gravity"),
-    "c_2": Prior(0.03, 0.2, "c over ωX", positive=True),
+    "c_2": Prior(0.02, 0.2, "c over ωX", positive=True),
     # laws of damping: each term, friction among them
     "law": Prior(0.2, 0.5, "coefficient that takes all of the work", positive=True),
 }
@@ -185,6 +185,28 @@ class Selection:
         each = [m.covariance + np.outer(of, of) for m, of in zip(self.models, off, strict=True)]
         return np.asarray(np.average(each, 0, self.weights))
 
+    def interval(self, key: str, probability: float = 0.95) -> tuple[float, float]:
+        """Return the ends between which a number lies with a probability, of the mixture of the normal distributions of
+        all models: a light model widens them little, however far it is from the others."""
+        at, weights = self.keys.index(key), np.array(self.weights)
+        centres = np.array([one.values[at] for one in self.models])
+        errors = np.sqrt(np.array([one.covariance[at, at] for one in self.models]))
+        if not (errors > 0.0).all():
+            return float(self.values[at]), float(self.values[at])
+
+        def beyond(x: float, p: float) -> float:
+            return float(weights @ special.ndtr((x - centres) / errors)) - p
+
+        far = 10.0 * errors
+        whole = float(np.min(centres - far)), float(np.max(centres + far))
+        low, high = (
+            optimize.brentq(
+                beyond, *whole, args=(0.5 + by * probability,), xtol=1e-6 * float(errors.min())
+            )
+            for by in (-0.5, 0.5)
+        )
+        return low, high
+
     def moved_by(self, name: str) -> dict[str, float]:
         """Return the relative change of each number that comes with the share of a model, w_j Δ_j."""
         at = next(i for i, model in enumerate(self.models) if model.name == name)
@@ -200,6 +222,7 @@ def select(
     keys: Sequence[str],
     *,
     independent: float = math.inf,
+    noise: float | None = None,
     certain: bool = False,
     further: Callable[[Any, tuple[str, ...]], Sequence[Candidate]] | None = None,
     departures: tuple[str, ...] = (),
@@ -211,6 +234,7 @@ def select(
     fit : of the plain model, with `chi_square` and `freedom` in units of the noise.   keys : of the numbers, as
     `value` and `covariance_of` of the fits take them; a candidate known to first order has them in its slopes.
     independent : number of independent values in what a model leaves beyond the noise; default, as many as data.
+    noise : square of the scale of the noise, where it is known; default, by what the best model leaves.
     certain : whether there is a departure for certain, as where the noise of the data has been scaled by it.
     further : candidates beyond a fit with some departures, for a second one from the first; default, none.
     departures : that the plain model has.
@@ -224,7 +248,7 @@ def select(
     known = [one for one in candidates if one.tested is not None or one.name in fits]
     failed: set[str] = set()
     while True:
-        found = _weighed(fit, known, fits, keys, independent, certain, departures)
+        found = _weighed(fit, known, fits, keys, independent, noise, certain, departures)
         asked = [
             one
             for one in known
@@ -246,6 +270,7 @@ def select(
     more = select(
         *(best.fit, further(best.fit, names), keys),
         independent=independent,
+        noise=noise,
         certain=certain,
         further=further,
         departures=names,
@@ -314,6 +339,7 @@ def _weighed(
     fits: Mapping[str, Any],
     keys: tuple[str, ...],
     independent: float,
+    noise: float | None,
     certain: bool,
     departures: tuple[str, ...],
 ) -> Selection:
@@ -325,11 +351,11 @@ def _weighed(
         for one in candidates
         if one.tested is not None and one.name not in fits
     ]
-    noise = min(noise_of(*of, independent) for of in left)
+    noise = noise or min(noise_of(*of, independent) for of in left)
     values = np.array([fit.value(key) for key in keys])
     covariance = noise * fit.covariance_of(*keys)
     shares = math.fsum(one.prior.share for one in candidates)
-    own = shares if certain or noise > 1.0 else max(1.0 - shares, shares)
+    own = (shares or 1.0) if certain or noise > 1.0 else max(1.0 - shares, shares)
     models = [Model("", own, 0.0, values, covariance, fit)]
     for one in candidates:
         if one.name in fits:

@@ -16,7 +16,7 @@ from .climb import MOST_EVALUATIONS
 from .multistart import Trail, climb_on, multistart
 from .parameters import Parameters
 from .starts import starts
-from .waveforms import STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
+from .waveforms import SHARED, STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3)  # parts of the amplitudes added to their errors: a smooth way down
@@ -25,6 +25,10 @@ _EFFORT = 600.0  # evaluations after which no other start is tried: to end where
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
 _RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
+_FAINT = (
+    0.01  # of the fundamental: what records leave of harmonics that are not those of the oscillator
+)
+_RESCALED, _SETTLED = 4, 0.05  # fits at most, and the change of ln of the scales of the last
 # What a minimum must be lower by, in χ² and as a part of it, for a scan from there.
 _LOWER, _NEARER = 0.05, 0.02
 
@@ -68,6 +72,54 @@ def fit_records(
     if thorough and best is not None and not (best.adequate and best.converged):
         best = _nearest(best, fit_from(problem, best.parameters, _TO_THE_END))
     return best
+
+
+def fit_fundamentals(
+    lines: Sequence[RecordHarmonics],
+    k: float,
+    law: Law | None = None,
+    near: WaveformFit | None = None,
+) -> WaveformFit | None:
+    """Return the oscillator of records whose harmonics are not those of one: what these leave scales their errors. None
+    where no oscillator moves like the fundamentals, or there are too few levels to show whether one does.
+
+    A second mode, a sensor or a spring that is not linear show in the higher harmonics first, and hardly in the
+    fundamental, which carries nearly all of the energy: the search begins with the fundamentals, next to which the
+    harmonics hardly count.   near : a fit to begin with.
+    """
+    problem = HarmonicProblem(law or Law(), tuple(lines), k)
+    clear = float(np.median([abs(one.x[0]) / one.x_error[0] for one in lines]))
+    problem = replace(problem, scales=(1.0, max(1.0, _FAINT * clear)))
+    points = [problem.start(one) for one in starts(lines, k, problem.shares)[: _STARTS[False]]]
+    found = multistart(
+        problem,
+        points if near is None else (near.parameters, *points),
+        softening=_SOFTENING,
+        hopeless=_HOPELESS,
+        budget=_EFFORT,
+        most=MOST_EVALUATIONS,
+    )
+    fit = _nearest(*found[:1])
+    return fit and rescaled(fit, fundamentals=False)
+
+
+def rescaled(fit: WaveformFit, *, fundamentals: bool = True) -> WaveformFit | None:
+    """Return the fit with errors that are scaled by what it leaves; None where the levels are too few to show that.
+
+    fundamentals : whether also those of the fundamentals are.
+    """
+    for _ in range(_RESCALED):
+        if fit.freedoms[0] < 1.0:
+            return None
+        scales = fit.scales
+        if not fundamentals:
+            scales = (max(1.0, SHARED * scales[1]), scales[1])
+        change = np.log(np.array(scales) / fit.problem.scales)
+        end = fit_from(replace(fit.problem, scales=scales), fit.parameters, _TO_THE_END)
+        if end is None or np.abs(change).max() < _SETTLED:
+            return end
+        fit = end
+    return fit
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:

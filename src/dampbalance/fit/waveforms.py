@@ -42,6 +42,7 @@ from .multistart import Trail
 from .nuisances import FALLING, FOLDED, FORCES, NUISANCES, read_by_channels, units_of
 from .parameters import Parameter, Parameters
 from .score import Departure, departures_from
+from .select import noise_of
 from .starts import Shares
 
 NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
@@ -66,6 +67,14 @@ _HARMONICS_OF_WAVEFORM = 128
 _REACH = math.log(5.0)  # of ln K_z to either side, where other minima are looked for
 _MOST_STIFFNESS_STEPS = 64  # a few hundred evaluations: what a search may cost
 _CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step
+INDEPENDENT = 4.0
+"""Independent values in what the higher harmonics leave of an oscillator that is not theirs: those of all levels are
+alike, and the third is the most of it."""
+
+SHARED = 0.01
+"""Part of what the higher harmonics leave that is an error of the fundamental, too: what makes them acts on it."""
+
+_SETTLED = 1.1  # ratio of two scales of errors that are the same
 # Step of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step,
 # which is shorter by the number of swings in a stick, through which the motion turns with K_z.
 _STEP = 1e-6
@@ -81,13 +90,15 @@ class HarmonicProblem:
     records, or to a group of them; then Y and the phase ψ of the base of each record.
 
     law : of the damping.   lines : harmonics of the records.   k : stiffness, N/m, given.
-    softening : part of the amplitudes added to the errors.
+    softening : part of the amplitudes added to the errors.   scales : factors of the errors of the fundamentals and of
+    the higher harmonics.
     """
 
     law: Law
     lines: tuple[RecordHarmonics, ...]
     k: float
     softening: float = 0.0
+    scales: tuple[float, float] = (1.0, 1.0)
 
     @cached_property
     def nuisances(self) -> tuple[str, ...]:
@@ -181,6 +192,12 @@ class HarmonicProblem:
         """Return the problem itself: harmonics are few."""
         return self
 
+    @cached_property
+    def fundamentals(self) -> Mask:
+        """Which of the data are |Y|, its phase, Re x_1, Im x_1, (data,); the others are the higher harmonics."""
+        of = [np.concatenate([[True, True], one.n == 1, one.n == 1]) for one in self.lines]
+        return np.concatenate(of)
+
     def softened(self, part: float) -> HarmonicProblem:
         """Return the problem with a part of the amplitudes added to the errors."""
         return replace(self, softening=part)
@@ -219,7 +236,9 @@ class HarmonicProblem:
         value = {name: float(point[at]) for name, at in self.at[record].items()}
         law: dict[str, float] = {s: value[s] for s in self.law.terms if s not in (FRICTION, "c")}
         F_k = value[FRICTION] * (1.0 + value["friction_level"] * float(self._levels[record]))
-        oscillator = Oscillator(value["m"], value.get("c", 0.0), self.k, value["rho"] ** -2, F_k)
+        # ρ is that of the stiffness after a reversal, which is larger by the gradual part (`rounding`)
+        K_z = value["rho"] ** -2 / (1.0 + value["gradual"])
+        oscillator = Oscillator(value["m"], value.get("c", 0.0), self.k, K_z, F_k)
         if value["c_2"]:
             law["c_2"] = value["c_2"]
         falling = value["friction_speed"], FALLING * self._fastest
@@ -362,8 +381,9 @@ class HarmonicProblem:
 
         x, by = self.slopes(point, free, i, near, read)
         by[:, at["psi"]] = 1j * one.n * x
-        error = np.hypot(one.x_error, self.softening * abs(one.x[0]))
-        Y_error = math.hypot(one.Y_error, self.softening * one.Y)
+        scaled = one.x_error * np.where(one.n == 1, *self.scales)
+        error = np.hypot(scaled, self.softening * abs(one.x[0]))
+        Y_error = math.hypot(self.scales[0] * one.Y_error, self.softening * one.Y)
         gain, Y = 1.0 + point[at["gain"]], point[at["Y"]]
         block = np.zeros((2 + 2 * count, point.size + 1))
         block[0, at["Y"]] = gain / Y_error
@@ -377,8 +397,8 @@ class HarmonicProblem:
             by[0, at["Y"]] -= gain * turned
             by[0, at["psi"]] -= 1j * gain * Y * turned
             by[0, at["gain"]] -= Y * turned * free[at["gain"]]
-        scaled = np.column_stack([by, x - one.x]) / error[:, None]
-        block[2:] = np.vstack([scaled.real, scaled.imag])
+        of_x = np.column_stack([by, x - one.x]) / error[:, None]
+        block[2:] = np.vstack([of_x.real, of_x.imag])
         return block
 
     def explains(self, end: Climb | Fit) -> bool:
@@ -462,25 +482,73 @@ class WaveformFit(OscillatorFit):
         of a record are |Y|, its phase, Re x_n, Im x_n."""
         return np.asarray(self.covariance @ self._here[:, :-1].T)
 
-    def freedom_of(self, key: str) -> float:
-        """Return the degrees of freedom of the error of a parameter: the errors of the data are known from the scatter
-        of few rows, that of a fundamental, which is the data's most, from 2(rows − 1) numbers.
+    def _parts(self, key: str) -> Array:
+        """Return what the fundamentals and the harmonics of each record contribute to the variance of a parameter, and
+        the degrees of freedom with which that is known, (2, parts): the errors of the data come from the scatter of few
+        rows, that of a fundamental, which is the data's most, from 2(rows − 1) numbers; where a group leaves more than
+        noise, those of all records from what it leaves."""
+        squares, main = self.response[self.parameters.places[key]] ** 2, self.problem.fundamentals
+        parts = []
+        for group, scale, freedom in zip(
+            (main, ~main), self.problem.scales, (self.freedoms[0], INDEPENDENT), strict=True
+        ):
+            own = np.where(group, squares, 0.0)
+            if scale > 1.0:
+                parts.append((float(np.sum(own)), max(freedom, 1.0)))
+                continue
+            for one, place in zip(self.lines, self.problem.places, strict=True):
+                known = 2 * max(1, one.rows - 1) if group is main else one.error_freedom
+                parts.append((float(np.sum(own[place])), known))
+        return np.transpose(parts)
 
-        The variances that the fundamentals and the harmonics of the records contribute, v_i of f_i degrees of freedom,
-        give (Σ v_i)²/Σ v_i²/f_i degrees of freedom of their sum (Welch–Satterthwaite).
-        """
-        squares, spread = self.response[self.parameters.places[key]] ** 2, 0.0
-        for one, place in zip(self.lines, self.problem.places, strict=True):
-            of, first = squares[place], [0, 1, 2, 2 + one.n.size]  # Y, ψ, Re x_1, Im x_1
-            main = float(np.sum(of[first]))
-            higher, rows = float(np.sum(of)) - main, max(1, one.rows - 1)
-            spread += main**2 / (2 * rows) + higher**2 / one.error_freedom
-        return float(np.sum(squares)) ** 2 / spread if spread > 0.0 else math.inf
+    def freedom_of(self, key: str) -> float:
+        """Return the degrees of freedom of the error of a parameter: parts of its variance v_i with f_i degrees of
+        freedom give (Σ v_i)²/Σ v_i²/f_i of their sum (Welch–Satterthwaite)."""
+        v, f = self._parts(key)
+        spread = float(np.sum(v**2 / f))
+        return float(np.sum(v)) ** 2 / spread if spread > 0.0 else math.inf
+
+    def interval(self, key: str) -> tuple[float, float]:
+        """Return the 95 % interval of a parameter, in its unit, with Student's t. Weights that come from the scatter of
+        few rows add to its variance, in parts p_i of it, 4 Σ p_i(1 − p_i)/f_i (Meier, Biometrics 9, 1953)."""
+        v, f = self._parts(key)
+        p = v / (float(np.sum(v)) or 1.0)
+        by = math.sqrt(1.0 + 4.0 * float(np.sum(p * (1.0 - p) / f)))
+        low, high = super().interval(key)
+        return self.value(key) - by * (self.value(key) - low), self.value(key) + by * (
+            high - self.value(key)
+        )
+
+    @cached_property
+    def freedoms(self) -> tuple[float, float]:
+        """Degrees of freedom of what the fundamentals and the higher harmonics leave: their number, less what they have
+        of the unknowns."""
+        used = np.sum(self._here[:, :-1].T * self.response, axis=0)
+        main = self.problem.fundamentals
+        return float(np.sum(1.0 - used[main])), float(np.sum(1.0 - used[~main]))
+
+    @property
+    def scales(self) -> tuple[float, float]:
+        """Factors of the errors of the fundamentals and of the higher harmonics by what they leave beyond noise."""
+        main, (a, b) = self.problem.fundamentals, self.problem.scales
+        left = [float(np.sum((self.residual[of] * by) ** 2)) for of, by in ((main, a), (~main, b))]
+        of_main, of_others = self.freedoms
+        harmonics = noise_of(left[1], of_others, INDEPENDENT)
+        shared = SHARED**2 * (harmonics - 1.0)
+        return math.sqrt(noise_of(left[0], of_main) + shared), math.sqrt(harmonics)
 
     @property
     def adequate(self) -> bool:
-        """Whether such an oscillator explains the records within their noise."""
-        return self.problem.explains(self)
+        """Whether such an oscillator explains the records within their noise, as it was read or scaled."""
+        scales = self.problem.scales
+        if max(scales) == 1.0:
+            return self.problem.explains(self)
+        return all(left < _SETTLED * of for left, of in zip(self.scales, scales, strict=True))
+
+    @property
+    def holds(self) -> bool:
+        """Whether it does so with the errors that were read."""
+        return self.adequate and max(self.problem.scales) == 1.0
 
     @property
     def converged(self) -> bool:
@@ -518,7 +586,8 @@ class WaveformFit(OscillatorFit):
         def onset(point: Array, response: Response) -> Array:
             return np.array([response.V_s, response.t_s, response.stick_travel])
 
-        for i, (response, at) in enumerate(zip(self.responses, problem.at, strict=True)):
+        main, pairs = problem.fundamentals, zip(self.responses, problem.at, strict=True)
+        for (i, (response, at)), place in zip(enumerate(pairs), problem.places, strict=True):
 
             def tail(point: Array, response: Response, i: int = i) -> Complexes:
                 return problem.harmonics(point, i, response, _HARMONICS_OF_WAVEFORM)
@@ -532,10 +601,10 @@ class WaveformFit(OscillatorFit):
                     *(x, by),
                     at=at,
                     F_k=float(self.point[at[FRICTION]]),
-                    rho=self.rho,
+                    rho=response.orbit.parameters.K_z**-0.5 * (not self.rigid),
                     rho_error=self.error("rho"),
                     folded=problem.folded(self.point, i, response),
-                    by_data=self.response[:, problem.places[i]],
+                    by_data=self.response[:, place] / np.where(main[place], *problem.scales),
                 )
             )
         return tuple(waveforms)

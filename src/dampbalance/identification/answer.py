@@ -36,9 +36,6 @@ REFERENCE = "maximum likelihood"
 DIRECT, BALANCE = CHECKS = ("direct", "balance")
 """Name of the energy balance of forced records, by direct integration: the check of the fit."""
 
-FUNDAMENTALS = "fundamentals"
-"""Name of the answer of the fit to the fundamental of each record alone, where the waveforms hold no oscillator."""
-
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
 
 USELESS = 0.05
@@ -82,13 +79,15 @@ class ParameterEstimate:
         low, high = self.interval
         return replace(self, interval=Interval(min(low, other.low), max(high, other.high)))
 
-    def averaged(self, value: float, error: float) -> ParameterEstimate:
-        """Return the estimate with another value and standard error, either end as much farther from it."""
+    def averaged(self, value: float, error: float, ends: tuple[float, float]) -> ParameterEstimate:
+        """Return the estimate with another value and standard error, and with other ends for normal errors: either end
+        is farther by as much as its own is beyond that of a normal error."""
         if not (self.standard_error > 0.0 and math.isfinite(self.value)):
             return self
-        by, (low, high) = error / self.standard_error, self.interval
-        ends = Interval(value - by * (self.value - low), value + by * (high - self.value))
-        return replace(self, value=value, standard_error=error, interval=ends)
+        reach, (low, high) = NORMAL_95 * self.standard_error, self.interval
+        less, more = (self.value - low) / reach, (high - self.value) / reach
+        wider = Interval(value - less * (value - ends[0]), value + more * (ends[1] - value))
+        return replace(self, value=value, standard_error=error, interval=wider)
 
     def wider(self, size: float) -> ParameterEstimate:
         """Return the estimate with an independent error of this standard deviation more, in quadrature at either
@@ -289,23 +288,25 @@ def answer_of_fit(
 
 
 def averaged(answer: Answer, selection: Selection) -> Answer:
-    """Return the answer of the heaviest fit with the numbers of all models that were weighed, and their errors.
+    """Return the answer of the heaviest fit with the numbers of all models that were weighed, and their errors. A
+    number is the median, which a light model hardly moves, however far it is from the others.
 
     selection : its numbers are coefficients, ρ of the contact and m.
     """
-    values, covariance = selection.values, selection.covariance
+    covariance = selection.covariance
+    values = np.array([selection.interval(key, 0.0)[0] for key in selection.keys])
     errors = np.sqrt(np.diag(covariance))
-    of = dict(zip(selection.keys, zip(values.tolist(), errors.tolist(), strict=True), strict=True))
-    parameters = {
-        s: p.averaged(*of.get(s, (p.value, p.standard_error))) for s, p in answer.parameters.items()
-    }
+    ends = map(selection.interval, selection.keys)
+    numbers = zip(values.tolist(), errors.tolist(), ends, strict=True)
+    of = dict(zip(selection.keys, numbers, strict=True))
+    parameters = {s: p.averaged(*of[s]) if s in of else p for s, p in answer.parameters.items()}
     merit = dict(answer.merit)
     if "m" in of and "m_kg" in merit:
         merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
     if "rho" in of:
         parameters["K_z"] = _stiffness(answer.K_z, *of["rho"])
     slopes = np.array(
-        [1.0 if key != "rho" else -2.0 * max(of[key][0], 1e-300) ** -3 for key in selection.keys]
+        [1.0 if key != "rho" else -2.0 * max(of[key][0], 1e-90) ** -3 for key in selection.keys]
     )
     at = [selection.keys.index("rho" if s == "K_z" else s) for s in parameters]
     with np.errstate(over="ignore", invalid="ignore"):
@@ -313,15 +314,18 @@ def averaged(answer: Answer, selection: Selection) -> Answer:
     return replace(answer, parameters=parameters, covariance=whole, merit=merit)
 
 
-def _stiffness(K_z: ParameterEstimate, rho: float, error: float) -> ParameterEstimate:
+def _stiffness(
+    K_z: ParameterEstimate, rho: float, error: float, of_rho: tuple[float, float]
+) -> ParameterEstimate:
     """Return a contact stiffness with another ρ = K_z^{−1/2} and its standard error: the interval comes from that of ρ,
     and is unbounded above where that reaches zero."""
     if not (math.isfinite(K_z.value) and K_z.standard_error > 0.0 and rho > 0.0):
         return K_z
     own = K_z.value**-0.5
-    of_rho = 0.5 * K_z.standard_error * own**3
+    own_error = 0.5 * K_z.standard_error * own**3
     low, high = (end**-0.5 if end > 0.0 else math.inf for end in K_z.interval[::-1])
-    ends = ParameterEstimate(own, of_rho, Interval(low, high)).averaged(rho, error).interval
+    estimate = ParameterEstimate(own, own_error, Interval(low, high))
+    ends = estimate.averaged(rho, error, of_rho).interval
     upper = ends.low**-2 if ends.low > 0.0 else math.inf
     return replace(
         K_z,

@@ -14,8 +14,7 @@ from ..law.terms import FRICTION, term
 from ..project.wording import listed
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
-from ..signals.thresholds import SHOWS
-from .answer import Answer, ParameterEstimate
+from .answer import Answer, Interval, ParameterEstimate
 from .balance_rows import solved_again
 from .oscillator import CommonFit
 
@@ -40,7 +39,11 @@ def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> 
         if common.fit is None:
             yield Finding("onset of a rigid one", effect=UNBOUNDED)
         else:
-            yield Finding("onset of the closest", effect=_by_half_the_stick(answer, readings))
+            # whatever the records have beyond an oscillator is in the rows, too
+            fitted, of_stick = common.answer, _by_half_the_stick(answer, readings)
+            assert fitted is not None
+            effect = {s: max(by, fitted.parameters[s].within) for s, by in of_stick.items()}
+            yield Finding("onset of the closest", effect=effect)
         if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
             times = {"times": math.sqrt(answer.misfit)}
             yield Finding("rows scatter", times, by_scatter(answer.coefficients, answer.misfit))
@@ -83,24 +86,23 @@ def forbidden(
 
 
 def contradiction(
-    answer: Answer, fit: OscillatorFit, least: float = 4e-7, wider: float = 1.0
+    check: Answer, answer: Answer | OscillatorFit, least: float = 4e-7, wider: float = 1.0
 ) -> Iterator[Finding]:
-    """Yield a finding where the balance contradicts the fit to all records by more than their errors allow.
+    """Yield a finding where the balance differs from the answer by more than both intervals together.
 
-    least : relative difference that counts, above the errors of the balance itself: by default those of rounding in
-    integrals of exact waveforms.
-    wider : factor of the errors of the balance.
+    least : relative difference that counts: by default that of rounding in integrals of exact waveforms.
+    wider : factor of the interval of the balance.
     """
     changes, effect = [], {}
-    for symbol, own in answer.coefficients.items():
-        of_fit, error = fit.value(symbol), wider * own.standard_error
-        # the fit uses all that the balance uses: the variance of their difference is that of their variances
-        of_both = math.sqrt(max(error**2 - fit.error(symbol) ** 2, 0.0))
-        most = math.sqrt(SHOWS)
-        allowed = max(most * of_both, 0.5 * most * error, least * abs(of_fit))
-        if abs(own.value - of_fit) > allowed and of_fit:
-            changes.append((symbol, of_fit, own.value - of_fit))
-            effect[symbol] = abs(own.value / of_fit - 1.0)
+    for symbol, own in check.coefficients.items():
+        if isinstance(answer, Answer):
+            value, ends = answer.values[symbol], answer.intervals[symbol]
+        else:
+            value, ends = answer.value(symbol), Interval(*answer.interval(symbol))
+        halves = wider * own.within * abs(own.value) + 0.5 * (ends.high - ends.low)
+        if value and abs(own.value - value) > max(halves, least * abs(value)):
+            changes.append((symbol, value, own.value - value))
+            effect[symbol] = abs(own.value / value - 1.0)
     if changes:
         yield Finding("contradicts", {"changes": tuple(changes)}, effect)
 

@@ -1,10 +1,9 @@
-"""Departures of records from one oscillator: which are in them, what they are called, and what helps.
+"""Departures of records from one oscillator as candidates to be weighed: what they are called, and how large rigs have
+them.
 
 A departure is a nuisance of the model (`fit/nuisances.py`), zero unless it is freed, or the other frame: motions
 relative to the base that were taken for absolute, or the other way round. A score test (`fit/score.py`) says to first
-order what each would explain of what a fit leaves; the likeliest are left free, one at a time, and the oscillator is
-fitted again. One that brings χ² down to the noise explains the records, and its oscillator is the answer; those whose
-χ² is about as low explain them as well, and the intervals hold the numbers of all.
+order what each explains of what a fit leaves, and `fit/select.py` weighs them; those of some weight are fitted.
 
 One departure is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with
 another stiffness: of what lies between, little more than the loss while it yields shows in a record. The sum of the
@@ -15,31 +14,22 @@ for those of Dahl, Bouc–Wen and several sliders.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 
-from scipy import special
-
-from ..findings.finding import UNBOUNDED, Finding
+from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
-from ..fit.fundamentals import FundamentalFit
-from ..fit.nuisances import NUISANCES, in_other_frame
+from ..fit.nuisances import in_other_frame, units_of
 from ..fit.score import Departure
+from ..fit.select import PRIORS, Candidate, Prior, Selection, bayes_factor
 from ..fit.steady_search import fit_from, fit_records, refit
-from ..fit.waveforms import NO_MOTION, WaveformFit
+from ..fit.waveforms import WaveformFit
+from ..law.terms import FRICTION
 from ..motion.law_decays import ADDED
-from ..signals.record_harmonics import RecordHarmonics
-from ..signals.thresholds import AS_WELL, P_CAUSE, P_DEPARTURE
 from ..solver import NORMAL_95
-
-LIKELY = 0.3
-"""Share of what noise does not explain, from which on a departure is worth a fit, or a word."""
 
 TURNS = ("corner", "delay")
 """Departures that turn the phase of the response: away from resonance, damping does so, too."""
-
-ONE_SIGNED = [name for name, (least, _) in NUISANCES.items() if least == 0.0]
 
 GRADUAL = ADDED[-1]
 """The departure that hardly shows: see above."""
@@ -74,102 +64,96 @@ def departure(name: str, value: float, error: float) -> Finding:
     return Finding(name, {"size": size, "less": less, "unsure": unsure})
 
 
-@dataclass(frozen=True, slots=True)
-class Explanation:
-    """A fit that explains the records with departures left free.
-
-    names : of the departures.   fit : the oscillator without them.
-    """
-
-    names: tuple[str, ...]
-    fit: WaveformFit
-
-    @property
-    def departures(self) -> tuple[Finding, ...]:
-        """The departures with their sizes."""
-        fit = self.fit
-        if FRAME in self.names:
-            return (Finding(FRAME, {"absolute": not fit.lines[0].of_base}),)
-        return tuple(departure(n, fit.value(n), fit.error(n)) for n in self.names)
-
-    @property
-    def doubts(self) -> dict[str, float]:
-        """Relative errors that numbers may have without a trace in the fit."""
-        fit = self.fit
-        doubts: dict[str, float] = {}
-        # F_k is in proportion to the size of the motion, which no gain of a relative response asks for
-        if "gain" in self.names and not any(one.of_base for one in fit.lines):
-            doubts = {
-                key: abs(fit.value("gain")) for key in fit.law.unknowns if key.symbol == "F_k"
-            }
-        if GRADUAL in self.names:
-            doubts["K_z"] = fit.value(GRADUAL)
-        return doubts
+def departures_of(selection: Selection, *names: str) -> tuple[Finding, ...]:
+    """Return departures with their sizes, by name."""
+    found = []
+    for name in names:
+        models = [one for one in selection.models if one.name == name] or [selection.best]
+        fit = models[0].fit
+        if name == FRAME:
+            found.append(Finding(FRAME, {"absolute": not selection.fit.lines[0].of_base}))
+        elif fit is None:
+            found.append(departure(name, *models[0].size))
+        else:
+            found.append(departure(name, fit.value(name), fit.error(name)))
+    return tuple(found)
 
 
-def explanations(
+def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
+    """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
+    the size of the motion, which no gain of a relative response asks for, and a contact that yields gradually is after
+    a reversal as stiff as that of Iwan only if it is one."""
+    fit, doubts = selection.fit, dict[str, float]()
+    sizes = {one.code: one.numbers for one in departures_of(selection, *names)}
+    if "gain" in sizes and not any(one.of_base for one in fit.lines):
+        gain = sizes["gain"]["size"][0]
+        doubts = {key: gain for key in fit.law.unknowns if key.symbol == FRICTION}
+    if GRADUAL in sizes:
+        doubts["K_z"] = min(abs(sizes[GRADUAL]["size"][0]), 1.0)
+    return doubts
+
+
+def sizes_in(fit: WaveformFit) -> dict[str, float]:
+    """Return the unit in which `PRIORS` has the size of each departure, in the unit of that departure."""
+    lines = fit.lines
+    top = max(lines, key=lambda one: abs(one.x[0]))
+    X, slowest = float(abs(top.x[0])), min(one.omega for one in lines)
+    units = units_of(fit.k, slowest, X, top.Y)
+    c = max(fit.c, fit.error("c")) if "c" in fit.parameters else units["c_2"] * top.omega * X
+    of_samples = max(one.interval for one in lines)
+    return {**units, "delay": of_samples, "c_2": c / (top.omega * X)}
+
+
+def candidates(
     fit: WaveformFit,
-    lines: Sequence[RecordHarmonics],
+    names: tuple[str, ...] = (),
     *,
     penalty: Callable[[WaveformFit], float],
-    near: FundamentalFit | None = None,
+    starts: Mapping[str, WaveformFit] | None = None,
     frames: bool = False,
-) -> tuple[Explanation, ...]:
-    """Return the departures that explain what a fit leaves, each with its fit, the likeliest first, and those that
-    explain it as well.
+) -> list[Candidate]:
+    """Return the departures that a fit may lack.
 
-    lines : of the records.   penalty : χ² that a mass which is given adds to a fit.   near : the fit to the
-    fundamentals, where the waveforms do not hold.   frames : whether the response may be in the other frame.
+    names : of those that it has.   penalty : χ² that a mass which is given adds to a fit.   starts : fits from whose
+    unknowns those of a departure are to be searched, by name.   frames : whether the response may be in the other
+    frame.
     """
-    excess = 0.0 if fit.adequate else LIKELY * (fit.chi_square - fit.freedom)
-    tested = sorted(fit.departures.items(), key=lambda one: -abs(one[1].size))
-    least = {name: _least(name, lines) for name in (*NUISANCES, FRAME)}
-    likely = [n for n, one in tested if _may_be(one, fit) and one.size**2 > max(least[n], excess)]
-    if {"c", "c_r"} <= set(fit.law.unknowns):
-        # a damper to the base and one to the ground together make up for any delay
-        likely = [name for name in likely if name != "delay"]
-    # behind four the first order is no guide
-    fits: list[tuple[tuple[str, ...], WaveformFit | None]]
-    fits = [((name,), _converged(_with(fit, name))) for name in likely[:4]]
-    if near is not None:
-        start = replace(fit.problem.like(near), free=fit.parameters.free)
-        for turned in _like(near):
-            moved = start.freed(*turned).moved(**turned)
-            fits.append(((*turned,), _converged(fit_from(fit.problem, moved))))
+    units, starts = sizes_in(fit), starts or {}
+    own = fit.chi_square + penalty(fit)
+
+    def weighed(name: str, end: WaveformFit) -> float:
+        """Return ln of the Bayes factor of a fit."""
+        fall = own - end.chi_square - penalty(end)
+        if name == FRAME:
+            return 0.5 * fall
+        return bayes_factor(end.value(name), end.error(name), prior_of(name), fall)[0]
+
+    def prior_of(name: str) -> Prior:
+        return PRIORS[name]._replace(size=PRIORS[name].size * units[name])
+
+    def fitted(name: str) -> WaveformFit | None:
+        start = starts.get(name)
+        ends = [_with(fit, name), start and fit_from(fit.problem, start.parameters)]
+        found = [end for one in ends if (end := _converged(one)) is not None]
+        return min(found, key=lambda one: one.chi_square, default=None)
+
+    # what explains less than a third of what noise does not is not why the fit fails
+    as_read = max(fit.problem.scales) == 1.0 and not fit.adequate
+    excess = 0.3 * (fit.chi_square - fit.freedom) if as_read else 0.0
+    tested = {name: one for name, one in fit.departures.items() if one.size**2 >= excess}
+    # a damper to the base and one to the ground together make up for any delay
+    barred = {"delay"} if {"c", "c_r"} <= set(fit.law.unknowns) else set()
+    found = [
+        Candidate(name, prior_of(name), partial(fitted, name), one, partial(weighed, name))
+        for name, one in tested.items()
+        if name not in (*names, *barred)
+    ]
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
-        others = [in_other_frame(one) for one in lines]
-        fits.append(((FRAME,), fit_records(others, fit.k, fit.law, thorough=False)))
-
-    def misfit(one: Explanation) -> float:
-        return one.fit.chi_square + penalty(one.fit)
-
-    found = [Explanation(names, one) for names, one in fits if one is not None]
-    own = fit.chi_square + penalty(fit)
-    found = [
-        one
-        for one in found
-        if one.fit.adequate
-        and own - misfit(one) > min(least[name] for name in one.names)
-        and not any(
-            one.fit.value(n) in _limits(n, one.fit) for n in one.names if n not in (FRAME, GRADUAL)
-        )
-    ]
-    best = min(map(misfit, found), default=0.0)
-    ordered = sorted(
-        (one for one in found if misfit(one) < best + AS_WELL), key=misfit, reverse=True
-    )
-    # of two fits with the same departure, which may come from two starts, the last
-    return tuple({one.names: one for one in ordered}.values())[::-1]
-
-
-def moves(fit: FundamentalFit) -> bool:
-    """Return whether all motions of a fit are found again from nothing, under the drives that were read: its features,
-    and the travel that its sticking takes, need them."""
-    try:
-        return bool(fit.responses)
-    except NO_MOTION:
-        return False
+        others = [in_other_frame(one) for one in fit.lines]
+        search = partial(fit_records, others, fit.k, fit.law, thorough=False)
+        found.append(Candidate(FRAME, PRIORS[FRAME], search, None, partial(weighed, FRAME)))
+    return found
 
 
 def _converged(fit: WaveformFit | None) -> WaveformFit | None:
@@ -185,18 +169,6 @@ def _converged(fit: WaveformFit | None) -> WaveformFit | None:
     return fit
 
 
-def _like(near: FundamentalFit) -> Iterator[dict[str, float]]:
-    """Yield the departures of a fit to the fundamentals with their values, and with the AC coupling that turns the
-    phase of the first record as far as its delay does."""
-    values = {name: near.value(name) for name in near.departures}
-    if values:
-        yield values
-    if values.get("delay", 0.0) < 0.0:
-        omega = near.problem.exact.lines[0].omega
-        corner = math.tan(min(-omega * values.pop("delay"), 0.75)) * omega / (2.0 * math.pi)
-        yield {**values, "corner": corner}
-
-
 def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     """Return the fit with a departure left free.
 
@@ -210,69 +182,6 @@ def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     falls = [-changes(one, fit, one.value).get(key, 0.0) for key in fit.law.unknowns]
     near = refit(fit, given={name: one.value / max(1.0, *(fall / 0.9 for fall in falls))})
     return refit(near if near is not None and near.chi_square < fit.chi_square else fit, [name])
-
-
-def _least(name: str, lines: Sequence[RecordHarmonics]) -> float:
-    """Return the fall of χ² from which on a departure is there; one that has one sign only has half of the chances."""
-    p = P_CAUSE if name in (GRADUAL, *TURNS) else P_DEPARTURE
-    return fall_of(2.0 * p if name in ONE_SIGNED else p, lines)
-
-
-def fall_of(p: float, lines: Sequence[RecordHarmonics]) -> float:
-    """Return the fall of χ² by one unknown that noise exceeds with a probability p: of few cycles, whose scatter gives
-    the errors of the fundamentals, a larger one."""
-    freedom = sum(2 * max(1, one.rows - 1) for one in lines)
-    return float(special.fdtri(1.0, freedom, 1.0 - p))
-
-
-def _limits(name: str, fit: WaveformFit) -> tuple[float, float]:
-    """Return the least and the greatest value of a departure that a rig may have."""
-    one = fit.parameters[name]
-    return one.low, one.high
-
-
-def _may_be(one: Departure, fit: WaveformFit) -> bool:
-    """Return whether a departure of that size can be; a contact that yields more suddenly than at once is none."""
-    low, high = _limits(one.symbol, fit)
-    return low < one.value and (one.value < high or one.symbol == GRADUAL)
-
-
-def shown_by(found: Sequence[Explanation], fall: float) -> Finding:
-    """Return the finding of departures that explain the records, the first of which is in the answer.
-
-    fall : of χ².
-    """
-    first, *others = found
-    as_well = tuple(one.departures for one in others)
-    numbers = {"causes": first.departures, "fall": fall, "others": as_well}
-    return Finding("departs", numbers, first.doubts)
-
-
-def hint_of(found: Sequence[Explanation], fall: float, fit: WaveformFit) -> Finding:
-    """Return the finding of departures that would explain the records, and that the balance contradicts.
-
-    fall : of χ² by the first.   fit : without them, which is the answer.
-    """
-    doubts: dict[str, float] = {}
-    for one in found:
-        ends = {key: one.fit.interval(key) for key in fit.law.unknowns}
-        values = {key: fit.value(key) for key in ends} | {"K_z": fit.K_z}
-        for key, (low, high) in (ends | {"K_z": one.fit.K_z_interval}).items():
-            off = max(abs(low - values[key]), abs(high - values[key]))
-            doubts[key] = max(doubts.get(key, 0.0), off / (abs(values[key]) or math.inf))
-    causes = tuple(one.departures for one in found)
-    return Finding("hints", {"causes": causes, "first": causes[0], "fall": fall}, doubts)
-
-
-def doubts_of(one: Departure, fit: OscillatorFit) -> Mapping[str, float]:
-    """Return by what part a departure that is not fitted may move each number: to first order, and without bound
-    where it imitates friction and damping. A spring or a contact that yields otherwise moves neither; the contact is
-    then as much stiffer after a reversal."""
-    if one.symbol in ("corner", "friction_speed"):
-        return UNBOUNDED
-    moved = {s: abs(part) for s, part in changes(one, fit, one.value).items()}
-    beside = {"k_3": {*moved}, GRADUAL: {*moved} - {"K_z"}}.get(one.symbol, ())
-    return {s: part for s, part in moved.items() if s not in beside}
 
 
 def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[Finding]:
@@ -302,12 +211,3 @@ def changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float
         # after a reversal the contact is as much stiffer as its corner is rounded
         parts["K_z"] = -2.0 * parts.pop("rho") + (value if one.symbol == GRADUAL else 0.0)
     return parts
-
-
-def likeliest(fit: WaveformFit) -> Departure | None:
-    """Return the departure that can be and explains most of what a fit leaves that is not adequate, to first order;
-    None where none explains a part that is worth a word."""
-    possible = (one for one in fit.departures.values() if _may_be(one, fit))
-    best = max(possible, key=lambda one: abs(one.size), default=None)
-    excess = fit.chi_square - fit.freedom
-    return best if best is not None and best.size**2 > LIKELY * excess else None

@@ -4,33 +4,30 @@ sticks, records that no oscillator explains."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from scipy import special
 
 from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
-from ..fit.fundamentals import FundamentalFit
 from ..fit.goodness import LinearFit
-from ..fit.waveforms import WaveformFit
 from ..signals.mean_harmonics import Reading
-from ..signals.thresholds import P_CAUSE, SHOWS
-from .answer import Answer
+from ..signals.thresholds import SHOWS
+from .answer import Answer, doubted
 from .balance_check import alike, contradiction
-from .causes import departure, doubts_of, hint_of, likeliest, shown_by
+from .causes import FRAME, departures_of, doubts_of
 from .oscillator import CommonFit
 
+_WORSE_IN_ROWS = {"clipped", "unsettled"}
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
 
 def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
-    """Return the findings on single records. A drive that is not harmonic spares the fit to the fundamentals where that
-    leaves no more than noise, and no unit is asked for where an oscillator explains a rare ratio of amplitudes."""
-    alone = common.fundamentals
-    holds = alone is not None and special.chdtrc(alone.freedom, alone.chi_square) > P_CAUSE
+    """Return the findings on single records. A drive that is not harmonic is no matter where the fundamentals are those
+    of an oscillator within noise, and no unit is asked for where one explains a rare ratio of amplitudes."""
+    fit = common.fit
+    holds = fit is not None and fit.adequate and fit.problem.scales[0] == 1.0
     found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
     explained = common.stuck is not None or common.waveforms_hold
     found = [one for one in found if not (explained and one.numbers.get("rare"))]
@@ -54,8 +51,12 @@ def agreement(
     if {"c", "c_r"} <= {*direct.coefficients}:
         by = 1e-6 * readings[0].steady.k
         yield Finding("skewed", {"by": by}, {"c": math.inf, "c_r": math.inf})
-    if fit is not None and not common.in_rows:
-        yield from contradiction(direct, fit)
+    # clipped cycles, a motion that drifts and a departure act in the rows more than in the fit
+    worse = common.in_rows or any(
+        one.code in _WORSE_IN_ROWS for reading in readings for one in reading.warnings
+    )
+    if common.answer is not None and not worse:
+        yield from contradiction(doubted({"": direct}, ())[""], common.answer)
     yield from alike(direct)
 
 
@@ -65,18 +66,23 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         yield Finding(_STUCK[common.stuck.sticks])
         yield from _too_stiff(readings, common.stuck, common.mass)
         return
-    fit, alone = common.fit, common.fundamentals
-    if common.explained:
-        yield shown_by(common.explained, common.fall)
-    if common.hinted and fit is not None:
-        yield hint_of(common.hinted, common.fall, fit)
+    fit, of = common.fit, common.selection
+    if of is not None:
+        if clear := common.clear:
+            causes = departures_of(of, *clear)
+            yield Finding("departs", {"causes": causes}, doubts_of(of, *clear))
+        for name in common.possible:
+            weighed = {"causes": departures_of(of, name), "weight": of.weight(name)}
+            yield Finding("hints", weighed, doubts_of(of, name))
     if common.mass is not None and not common.mass_fits:
         by_force = any("force" in reading.steady.channels for reading in readings)
         yield on_mass(common.closest, common.mass, by_force)
     if fit is None:
         yield Finding("no oscillator")
-    elif not fit.adequate and not common.explained:
-        yield _none_fits(readings, fit, alone)
+    elif not common.waveforms_hold and FRAME not in common.clear:
+        worst = readings[int(np.argmax(fit.misfits))].steady.source
+        main, others = fit.problem.scales
+        yield Finding("far from all", {"fundamentals": main, "harmonics": others, "worst": worst})
 
 
 def _too_stiff(
@@ -92,26 +98,6 @@ def _too_stiff(
     left = (mass or 0.0) * stuck.by_mass if of_base else stuck.k + stuck.contact
     too_high = -stuck.contact / left if left > 0.0 else 0.0
     yield Finding("too stiff", {"too_high": too_high}, {"": too_high or math.inf})
-
-
-def _none_fits(
-    readings: Sequence[Reading], fit: WaveformFit, alone: FundamentalFit | None
-) -> Finding:
-    """Return the finding on records that no oscillator explains, whatever departure it has.
-
-    alone : the fit to their fundamentals, whose numbers the likeliest departure moves to first order.
-    """
-    likely: dict[str, Any] = {}
-    doubts: Mapping[str, float] = {}
-    if cause := likeliest(fit):
-        share = min(1.0, cause.size**2 / (fit.chi_square - fit.freedom))
-        likely = {"likely": departure(cause.symbol, cause.value, cause.error), "share": share}
-        # the numbers are off by the cause of most of it
-        if share > 0.5 and alone is not None and not alone.has(cause.symbol):
-            doubts = doubts_of(cause, fit)
-    worst = readings[int(np.argmax(fit.misfits))].steady.source
-    of = {"trials": fit.evaluations, "times": math.sqrt(fit.misfit), "worst": worst}
-    return Finding("far from all", {**of, **likely}, doubts)
 
 
 def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:

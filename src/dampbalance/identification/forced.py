@@ -28,8 +28,6 @@ from ..arguments import NUMBERS, number
 from ..arrays import Array
 from ..features import FEATURE_COLUMNS, Features
 from ..findings.finding import UNBOUNDED, Finding
-from ..fit.fit import OscillatorFit
-from ..fit.fundamentals import FundamentalFit
 from ..fit.multistart import Trail
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
@@ -42,12 +40,12 @@ from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
 from .answer import (
     DIRECT,
-    FUNDAMENTALS,
+    REFERENCE,
     UNKNOWN,
     Answer,
     ParameterEstimate,
 )
-from .balance_check import contradiction, notes_on
+from .balance_check import notes_on
 from .balance_rows import (
     as_answer,
     features_of,
@@ -55,7 +53,6 @@ from .balance_rows import (
     solved_again,
     solved_forced,
 )
-from .causes import GRADUAL, condition_on_contact
 from .diagnosis import agreement, on_records
 from .law_comparison import compare_laws
 from .level import Column, Level
@@ -136,11 +133,9 @@ class ForcedBasis:
         """
         common, k = self.common, 1.0 + fault.stiffness
         means = [_with_fault(reading, fault) for reading in self.readings]
-        fit: WaveformFit | FundamentalFit | None = common.fit if common.waveforms_hold else None
-        if name == FUNDAMENTALS:
-            fit = common.fundamentals
+        fit = common.fit if common.waveforms_hold or name == REFERENCE else None
         moved = None if fit is None else _moved(fit, self.readings, means)
-        if moved is not None and isinstance(fit, WaveformFit) and common.mass_taken:
+        if fit is not None and moved is not None and common.mass_taken:
             # a mass given too large acts like a k too small
             moved += (fault.mass - fault.stiffness) * _by_mass(fit)
         balance = found.estimates[name].balance if name in found.estimates else None
@@ -365,8 +360,6 @@ def identify_readings(
         stiffness_error=stiffness_error,
         frames=framed,
     )
-    if common.plain is not None and _vetoed(common, readings, k, law):
-        common = common.uncorrected
     few, reference = len(readings) < len(law.unknowns), common.answer
     if few and not (common.waveforms_hold and common.fit is not None and common.fit.freedom > 0):
         law.require([reading.steady.frequency_hz for reading in readings])
@@ -376,48 +369,28 @@ def identify_readings(
         )
     readings = with_common_fit(readings, common, law)
     own = features_of(readings, [reading.mean for reading in readings])
-    alone = common.answer_of_fundamentals
-    estimates: dict[str, Answer] = {} if alone is None else {FUNDAMENTALS: alone}
     K_z = reference.K_z if reference is not None and common.waveforms_hold else UNKNOWN
     direct = _balance(readings, law, k, K_z, frictionless=common.frictionless)
     notes = (*direct.notes, *notes_on(direct, readings, common))
-    estimates[DIRECT] = replace(direct, notes=notes)
+    direct = replace(direct, notes=notes)
     hz = ", ".join(f"{f:g}" for f in sorted({round(r.steady.frequency_hz, 4) for r in readings}))
     fit, rig = common.fit, list[Finding]()
     if fit is not None:
         rig = implied(common.closest, mass if common.mass_fits else None)
-    if common.delay is not None and not (common.explained or common.hinted):
+    if common.delay is not None and not (common.clear or common.possible):
         rig.append(Finding("timing", {"late": common.delay}))
     of_records = on_records(readings, common)
     of_all = agreement(readings, common, direct)
-    if fit is not None and common.waveforms_hold and not fit.parameters[GRADUAL].free:
-        rig += condition_on_contact(fit, fit.departures.values())
     return Result(
         basis=ForcedBasis(law, tuple(readings), common, own[:, 0]),
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
-        estimates=estimates,
+        estimates={DIRECT: direct},
         reference=reference,
         odd=(*of_records, *of_all),
         head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals",
         rig=rig,
         settings={"law": {"terms": law.terms, "given": law.given, "groups": law.groups}},
-    )
-
-
-def _vetoed(common: CommonFit, readings: Sequence[Reading], k: float, law: Law) -> bool:
-    """Return whether direct integration contradicts the fit that is freed of departures, and is nearer to the plain
-    one: these departures are then as likely a chance of the noise."""
-    plain = common.uncorrected
-    readings = with_common_fit(readings, plain, law)
-    direct = _balance(readings, law, k)
-    own = direct.coefficients.items()
-
-    def apart(fit: OscillatorFit) -> float:
-        return math.hypot(*((p.value - fit.value(s)) / p.standard_error for s, p in own))
-
-    return any(contradiction(direct, common.closest)) and apart(plain.closest) < apart(
-        common.closest
     )
 
 
@@ -477,16 +450,12 @@ def _with_fault(reading: Reading, fault: Fault) -> Means:
     return reading.mean.changed(*gains, turn, 1.0 + lever, steady.added)
 
 
-def _moved(
-    fit: WaveformFit | FundamentalFit, readings: Sequence[Reading], means: Sequence[Means]
-) -> Array:
+def _moved(fit: WaveformFit, readings: Sequence[Reading], means: Sequence[Means]) -> Array:
     """Return the changes of the unknowns of a fit with other means of the records, to first order, (p, 1)."""
-    pairs = [*zip(readings, means, strict=True)]
-    if not isinstance(fit, FundamentalFit):
-        return np.asarray(np.sum([reading.moved(mean) for reading, mean in pairs], axis=0))
-    Z = [[m.Y[0] / m.x[0, 0] for m in (mean, reading.mean)] for reading, mean in pairs]
-    other, own = np.transpose(Z)
-    return fit.moved(other / own - 1.0)[:, None]
+    triples = zip(readings, fit.waveforms, means, strict=True)
+    return np.asarray(
+        np.sum([replace(one, waveform=of).moved(mean) for one, of, mean in triples], axis=0)
+    )
 
 
 def _scaled(values: Mapping[str, float], k: float) -> dict[str, float]:

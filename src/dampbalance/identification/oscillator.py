@@ -5,21 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from ..findings.finding import UNBOUNDED, Finding
 from ..fit.fit import OscillatorFit
-from ..fit.fundamentals import FundamentalFit, fit_fundamentals
 from ..fit.goodness import LinearFit, improbable, linear_fit
-from ..fit.steady_search import fit_from, fit_records, of_all_stiffnesses, refit
+from ..fit.select import CLEAR, Selection, select
+from ..fit.steady_search import (
+    fit_from,
+    fit_fundamentals,
+    fit_records,
+    of_all_stiffnesses,
+    refit,
+    rescaled,
+)
 from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..signals.mean_harmonics import Reading
 from ..signals.record_harmonics import RecordHarmonics
-from ..signals.thresholds import P_SHOWN, SHOWS
+from ..signals.thresholds import SHOWS
 from ..solver import NORMAL_95
-from .answer import FUNDAMENTALS, Answer, answer_of_fit
-from .causes import FRAME, NOT_IN_ROWS, Explanation, departure, explanations, fall_of, moves
+from .answer import USELESS, Answer, answer_of_fit, averaged
+from .causes import FRAME, NOT_IN_ROWS, candidates
 
 _DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping act differently
 
@@ -28,48 +36,67 @@ _DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping ac
 class CommonFit:
     """One oscillator fitted to all records.
 
-    fit : the oscillator that responds most like them, with the departures that explain them left free; None where no
+    selection : the oscillator that responds most like them, and those with a departure more, weighed; None where no
     oscillator that slips does, or a linear one explains them.
-    explained : departures that explain what the oscillator alone does not, the likeliest first, and those that do as
-    well.   fall : of χ² by the first.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it.
-    fundamentals : the fit to the fundamental of each record alone, where the waveforms are not those of an oscillator.
-    plain : the fit without these departures, where it explains the records, too, and a few of such sets as well.
-    hinted : departures that the records hint at and the answer is not freed of.
     stuck : the linear oscillator, with the stiffness of a contact that only sticks, where one explains the records
     within their noise: nothing slips, or slip does not show.
     frictionless : whether a balance of these has no friction: the contact sticks, or no two levels differ.
     """
 
-    fit: WaveformFit | None
-    explained: tuple[Explanation, ...] = ()
-    fall: float = 0.0
+    selection: Selection | None
     mass: float | None = None
     mass_fits: bool = True
-    fundamentals: FundamentalFit | None = None
-    plain: WaveformFit | None = None
-    hinted: tuple[Explanation, ...] = ()
     stuck: LinearFit | None = None
     frictionless: bool = False
 
+    @classmethod
+    def of(
+        cls, fit: WaveformFit, mass: float | None = None, *, mass_fits: bool = True
+    ) -> CommonFit:
+        """Return that of one fit, with which no other is compared."""
+        keys = (*fit.law.unknowns, "rho", "m")
+        return cls(select(fit, (), keys, noise=1.0), mass, mass_fits)
+
     @property
-    def uncorrected(self) -> CommonFit:
-        """The plain fit as the answer, which its departures are a hint to."""
-        return replace(
-            self, fit=self.plain, plain=None, mass_fits=True, explained=(), hinted=self.explained
-        )
+    def fit(self) -> WaveformFit | None:
+        """The heaviest fit to the records as they are: of responses in the other frame, that in their own."""
+        of = self.selection
+        fit: WaveformFit | None = None if of is None else of.plain if FRAME in of.names else of.fit
+        return fit
+
+    @property
+    def closest(self) -> OscillatorFit:
+        """The fit whose numbers are nearest to the answer: of responses in the other frame, where they are in it."""
+        assert self.selection is not None
+        fit: OscillatorFit = self.selection.fit
+        return fit
 
     @property
     def waveforms_hold(self) -> bool:
         """Whether the waveforms of the fit are those of the records, so that the onset of slip and K_z are known."""
-        return self.fit is not None and self.fit.adequate
+        return self.fit is not None and self.fit.holds
+
+    @property
+    def clear(self) -> tuple[str, ...]:
+        """Departures of a weight above `CLEAR`."""
+        of = self.selection
+        return () if of is None else tuple(name for name in of.names if of.weight(name) > CLEAR)
+
+    @property
+    def possible(self) -> tuple[str, ...]:
+        """Other departures whose share moves a coefficient, or ρ, by more than `USELESS`."""
+        of = self.selection
+        if of is None:
+            return ()
+        others = [one.name for one in of.models if one.name and one.name not in self.clear]
+        keys, moved = (*of.fit.law.unknowns, "rho"), {name: of.moved_by(name) for name in others}
+        return tuple(n for n in others if any(abs(moved[n].get(s, 0.0)) > USELESS for s in keys))
 
     @property
     def in_rows(self) -> bool:
         """Whether the records have a departure that the answer is freed of, and rows of the balance are not."""
-        freed = () if self.fundamentals is None else self.fundamentals.departures
-        names = {*freed, *(name for one in self.explained[:1] for name in one.names)}
-        return bool(names - NOT_IN_ROWS)
+        return self.selection is not None and bool({*self.selection.names} - NOT_IN_ROWS)
 
     @property
     def mass_taken(self) -> bool:
@@ -77,33 +104,21 @@ class CommonFit:
         return self.mass is not None and self.fit is not None and self.fit.error("m") == 0.0
 
     @property
-    def closest(self) -> OscillatorFit:
-        """The fit whose numbers are the answer."""
-        fit = self.fundamentals or self._best
-        assert fit is not None
-        return fit
-
-    @property
     def notes(self) -> tuple[Finding, ...]:
         """What one must know before using the numbers of the fit."""
-        fit = self._best
-        if fit is None:
+        if self.selection is None:
             return ()
+        fit: WaveformFit = self.selection.fit
         far = [] if fit.adequate else [Finding("far", effect=UNBOUNDED)]
         early = [] if fit.converged else [Finding("not converged", effect=UNBOUNDED)]
         none = [key for key in fit.law.unknowns if fit.value(key) <= 0.0]
         return (*far, *early, *(Finding("at its limit", {"symbol": key}) for key in none))
 
     @property
-    def _best(self) -> WaveformFit | None:
-        """The fit whose numbers are the answer: of responses in the other frame, where they are in it."""
-        return self.explained[0].fit if self.explained else self.fit
-
-    @property
     def delay(self) -> tuple[float, float] | None:
         """Delay of the response that the records show and its standard error, s: fitted, or to first order."""
         fit = self.fit
-        if fit is None or not fit.adequate:
+        if fit is None or not self.waveforms_hold:
             return None
         if fit.parameters["delay"].free:
             return fit.value("delay"), fit.error("delay")
@@ -112,11 +127,10 @@ class CommonFit:
 
     @property
     def answer(self) -> Answer | None:
-        """The answer of the fit, whose intervals hold the numbers of all departures that explain the records; None
-        where no oscillator that slips fits."""
-        fit, delay = self._best, self.delay or (None, None)
-        if fit is None:
+        """The numbers of all models that were weighed; None where no oscillator that slips fits."""
+        if self.selection is None:
             return None
+        fit, delay = self.selection.fit, self.delay or (None, None)
         answer = answer_of_fit(
             fit,
             fit.law.unknowns,
@@ -125,27 +139,7 @@ class CommonFit:
             delay_s=delay[0],
             delay_standard_error_s=delay[1],
         )
-        for other in self.explained[1:]:
-            intervals = answer_of_fit(other.fit, fit.law.unknowns, ()).intervals
-            answer = replace(
-                answer,
-                parameters={s: p.holding(intervals[s]) for s, p in answer.parameters.items()},
-            )
-        return answer
-
-    @property
-    def answer_of_fundamentals(self) -> Answer | None:
-        """The answer of the fit to the fundamentals; None where the waveforms hold, or there is none."""
-        fit = self.fundamentals
-        if fit is None:
-            return None
-        along = tuple(departure(n, fit.value(n), fit.error(n)) for n in fit.departures)
-        note = Finding(
-            "fundamentals",
-            {"scatter": fit.scatter, "causes": along},
-            {key: by for key, by in fit.turned.items() if key in fit.law.unknowns},
-        )
-        return answer_of_fit(fit, fit.law.unknowns, [note], name=FUNDAMENTALS, residual=fit.scatter)
+        return averaged(answer, self.selection)
 
 
 def common_fit(
@@ -173,10 +167,9 @@ def common_fit(
     law = law or Law()
     without = linear_fit(lines, k, law.terms)
     slips = improbable(without.chi_square, without.freedom, lines)
-    fit, alone = _searched(lines, k, law, slips)
+    fit, scaled = _searched(lines, k, law, slips)
     fall = 0.0 if fit is None else without.chi_square - fit.chi_square
     linear = fall < SHOWS and not slips
-    fit, alone = (None, None) if linear else (fit, alone)
 
     def penalty(one: OscillatorFit) -> float:
         """Return the χ² that the mass given adds: the square of its difference in standard errors."""
@@ -185,8 +178,7 @@ def common_fit(
         apart = math.hypot(error, mass_error, stiffness_error / k * one.m)
         return 0.0 if m is None or one.m == m else ((one.m - m) / apart) ** 2
 
-    if fit is None:
-        fits = alone is None or penalty(alone) < SHOWS
+    if fit is None or linear:
         stuck = linear_fit(lines, k, law.terms, m, mass_error) if linear else None
         bare = False
         if stuck is not None:
@@ -196,9 +188,7 @@ def common_fit(
             sizes = [float(abs(one.x[0])) for one in lines]
             alike = len(lines) < len(law.unknowns) or max(sizes) < _DIFFER * min(sizes)
             bare = alike or stuck.sticks is True
-        return CommonFit(
-            *(None, (), 0.0, m, fits), fundamentals=alone, stuck=stuck, frictionless=bare
-        )
+        return CommonFit(None, m, stuck=stuck, frictionless=bare)
     error = fit.error("m")
     given = refit(fit, given={"m": m}) if m is not None and mass_error < error else None
     # χ² rises by the square of the difference over the error of the records alone
@@ -206,25 +196,35 @@ def common_fit(
     fits = given is not None and given.chi_square - fit.chi_square < most
     fit = given if given is not None and fits else fit
 
-    found: tuple[Explanation, ...] = ()
-    if departures:
-        unsure = frames and not (fit.adequate and penalty(fit) < SHOWS)
-        found = explanations(fit, lines, penalty=penalty, near=alone, frames=unsure)
-    if not found:
-        fits = penalty(alone or fit) < SHOWS
-        return CommonFit(fit, mass=m, mass_fits=fits, fundamentals=alone)
-    best = found[0].fit
-    fall = fit.chi_square + penalty(fit) - best.chi_square - penalty(best)
-    chance = fall < fall_of(P_SHOWN, lines) and fit.adequate and penalty(fit) < SHOWS
-    plain = fit if chance else None
-    fit = fit if FRAME in found[0].names else best
-    return CommonFit(fit, found, fall, m, penalty(best) < SHOWS, plain=plain)
+    if not departures:
+        return CommonFit.of(fit, m, mass_fits=penalty(fit) < SHOWS)
+    keys = (*law.unknowns, "rho", "m")
+    unsure = frames and not (fit.adequate and penalty(fit) < SHOWS)
+    of = partial(candidates, penalty=penalty)
+    found = select(fit, of(fit, frames=unsure), keys, noise=1.0, further=of)
+    if not found.fit.adequate and scaled is not None:
+        other = select(scaled, of(scaled), keys, noise=1.0, further=of)
+        # a departure next to which the fundamentals are those of an oscillator may explain the waveforms, too
+        by_weight = sorted(zip(other.weights, other.models, strict=True), key=lambda one: one[0])
+        names = [((*other.departures, one.name)[0], one.fit) for _, one in by_weight]
+        starts = {name: one for name, one in names if name and one is not None}
+        found = (
+            select(fit, of(fit, starts=starts), keys, noise=1.0, further=of) if starts else other
+        )
+        if not found.fit.adequate:
+            found = other
+        if not found.fit.adequate and (scaled := rescaled(other.fit)) is not None:
+            free = scaled.parameters.held(*other.names)
+            plain = fit_from(scaled.problem, free.moved(**dict.fromkeys(other.names, 0.0)))
+            plain = plain or scaled
+            found = select(plain, of(plain), keys, noise=1.0, further=of)
+    return CommonFit(found, m, penalty(found.fit) < SHOWS)
 
 
 def _searched(
     lines: Sequence[RecordHarmonics], k: float, law: Law, slips: bool
-) -> tuple[WaveformFit | None, FundamentalFit | None]:
-    """Return the fit to the waveforms and, where that is not adequate, the fit to the fundamentals.
+) -> tuple[WaveformFit | None, WaveformFit | None]:
+    """Return the fit to the waveforms and, where that is not adequate, the one whose errors are scaled.
 
     slips : whether the records are not those of a linear oscillator. A wide search is then worth its time where the
     fundamentals give no start, or where the mass rings while it sticks, so that χ² has many minima.
@@ -232,19 +232,14 @@ def _searched(
     fit = fit_records(lines, k, law, thorough=False)
     if fit is not None and fit.adequate:
         return (of_all_stiffnesses(fit) if slips and not law.nonlinear else fit), None
-    alone = fit_fundamentals(lines, k, law)
-    if alone is not None and not moves(alone):
-        alone = None
-    ends = [fit]
-    if alone is not None:
-        problem = HarmonicProblem(law, tuple(lines), k)
-        ends.append(fit_from(problem, problem.like(alone)))
-    fits = [one for one in ends if one is not None]
-    fit = min(fits, key=lambda one: one.chi_square, default=None)
+    scaled = fit_fundamentals(lines, k, law, fit)
+    if scaled is not None:
+        ends = fit, fit_from(HarmonicProblem(law, tuple(lines), k), scaled.parameters)
+        fit = min(filter(None, ends), key=lambda one: one.chi_square, default=None)
     rings = fit is not None and max(one.swings for one in fit.responses) > 1.0
-    if slips and (fit is None or (not fit.adequate and (alone is None or rings))):
+    if slips and (fit is None or (not fit.adequate and (scaled is None or rings))):
         fit = fit_records(lines, k, law, near=fit)
-    return fit, None if fit is not None and fit.adequate else alone
+    return fit, None if fit is not None and fit.adequate else scaled
 
 
 def with_common_fit(
@@ -261,10 +256,10 @@ def with_common_fit(
     fit, fitted = common.fit, []
     for i, reading in enumerate(readings):
         shared, travel = None, reading.stick_travel
-        if fit is not None and fit.adequate:
+        if fit is not None and fit.holds:
             shared = fit.waveforms[i]
         elif fit is not None:
-            nearest = (common.fundamentals or fit).responses[i]
+            nearest = fit.responses[i]
             travel = nearest.stick_travel if nearest.slips else math.nan
         fitted.append(replace(reading, waveform=shared, stick_travel=travel, terms=wanted))
     return fitted

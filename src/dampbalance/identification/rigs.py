@@ -90,7 +90,7 @@ def of_a_mount(
 
     common : the fit with the contact to the ground.   k : N/m.   of_drive : options of `load`.
     """
-    sure = common.waveforms_hold and not common.explained
+    sure = common.waveforms_hold and not common.clear
     driven = any("force" in record.quantities for record in records)
     if sure or driven or masses.moving is None or masses.on_base is not None:
         return

@@ -48,6 +48,7 @@ class RecordHarmonics:
     of_base : how many times the base motion was added to what was measured of the response, 1 for one measured against
     the base.
     folds : what harmonics beyond half the sampling rate may add; None where that is far below the errors.
+    interval : between samples, s; that of the slowest channel.
     """
 
     omega: float
@@ -60,6 +61,7 @@ class RecordHarmonics:
     base: Complexes = field(default_factory=lambda: np.empty(0, dtype=np.complex128))
     of_base: float = 0.0
     folds: Folds | None = None
+    interval: float = 1e-3  # of usual recorders
 
     @property
     def relative_error(self) -> float:
@@ -104,6 +106,7 @@ class RecordHarmonics:
             of_base=steady.added,
             # what folds and is less than a tenth of an error makes no difference
             folds=folds if (size > 0.1 * noise).any() else None,
+            interval=max(channel.dt for channel in steady.channels.values()),
         )
 
 

@@ -49,12 +49,6 @@ P_AS_WELL = 0.05
 AS_WELL = -2.0 * math.log(P_AS_WELL)
 """Difference of χ² of that ratio, six."""
 
-P_CAUSE = 0.005
-"""The contact that yields gradually, which hardly shows otherwise, the turn of a phase, which moves c by several times
-itself before it shows, and a delay or k_3 of the fundamentals: fitted along in forced records."""
-
-P_DEPARTURE = 1e-3
-"""Each other departure of forced records: fitted along, it costs accuracy."""
 
 P_STEP_BACK = 3e-4
 """χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
@@ -65,8 +59,6 @@ TESTS: Mapping[str, int] = {
     "P_OF_THE_MODEL": 7,  # forced records, the residual of decays, half cycles, four steps that join decays
     "P_SHOWN": 4,  # slip, mass, F_k and c of the balance
     "P_AS_WELL": 0,
-    "P_CAUSE": 3,  # gradual, corner, delay
-    "P_DEPARTURE": 6,  # gain, frame, friction, damping and spring
     "P_STEP_BACK": 0,
 }
 """Number of times that each is asked, with the power to cast a doubt, in a usual set of records."""
