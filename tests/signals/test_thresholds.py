@@ -27,4 +27,3 @@ def test_five_standard_errors_are_as_rare_as_the_table_says():
     assert abs(thresholds.SIGNIFICANT - 5.0) < 0.01
     assert special.chdtrc(1, 16.0) == pytest.approx(thresholds.P_SHOWN, rel=0.02)
     assert abs(thresholds.SHOWS - 16.0) < 0.05
-    assert math.exp(-0.5 * thresholds.AS_WELL) == pytest.approx(0.05)

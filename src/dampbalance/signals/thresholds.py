@@ -43,12 +43,6 @@ Each changes what is answered, and is asked a few times in a set."""
 SHOWS = float(special.chdtri(1.0, P_SHOWN))
 """Fall of χ² from which on one unknown shows then, sixteen."""
 
-P_AS_WELL = 0.05
-"""Ratio of likelihoods above which two explanations are alike: the intervals hold both, or both are said."""
-
-AS_WELL = -2.0 * math.log(P_AS_WELL)
-"""Difference of χ² of that ratio, six."""
-
 
 P_STEP_BACK = 3e-4
 """χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
@@ -58,7 +52,6 @@ TESTS: Mapping[str, int] = {
     "P_DRIFT": 20,  # base and response of ten records
     "P_OF_THE_MODEL": 7,  # forced records, the residual of decays, half cycles, four steps that join decays
     "P_SHOWN": 4,  # slip, mass, F_k and c of the balance
-    "P_AS_WELL": 0,
     "P_STEP_BACK": 0,
 }
 """Number of times that each is asked, with the power to cast a doubt, in a usual set of records."""
