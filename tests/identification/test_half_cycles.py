@@ -54,7 +54,7 @@ def fit_of(par, decays, forces):
     values = {one.key("F_k"): F_k for one, F_k in zip(decays, forces, strict=True)}
     return SimpleNamespace(
         k=par.k,
-        K_z=par.K_z,
+        at_once=par.K_z,
         decays=decays,
         value=values.__getitem__,
         at_rest=lambda _: math.inf,
