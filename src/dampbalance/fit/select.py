@@ -75,7 +75,7 @@ PRIORS: Mapping[str, Prior] = {
     "gradual": Prior(0.05, 0.5, "contact of Iwan", positive=True),
     # stepped sine: models that are no extensions of each other, without a size
     "gradual contact": Prior(0.4, math.inf, "none"),
-    "no contact": Prior(0.03, math.inf, "none"),
+    "none contact": Prior(0.03, math.inf, "none"),
     "further damping": Prior(0.03, math.inf, "none"),
     "smoothness": Prior(0.25, math.inf, "none"),
     # forces at steady speeds: laws beyond the line, without a size, too

@@ -236,7 +236,7 @@ _FURTHER = {
 
 def _departure(fit: SpeedFit) -> Iterator[Finding]:
     """Yield a finding where the residual follows the speed: the force is another function of it."""
-    data, unknowns = fit.problem, sum(map(fit.has, ("F_k", "c", "F_S", "v_S", "v_0", "c_2")))
+    data, unknowns = fit.problem, np.count_nonzero(fit.parameters.free) - fit.has("T_0")
     order = np.argsort(np.abs(data.v), kind="stable")
     left = (np.sign(data.v) * fit.left / data.error)[order]
     width = max(2, left.size // _PARTS)
@@ -256,9 +256,8 @@ def _rig(laws: Selection) -> Iterator[Finding]:
     of = {name: (fit.value(name), fit.error(name)) for name in _FURTHER}
     if fit.has("T_0"):
         yield Finding("offset", {"offset": of["T_0"]})
-    for name, code in _SHOWN.items():
-        if fit.has(name):
-            yield Finding(code, {symbol: of[symbol] for symbol in DEPARTURES[name]})
+    if name := laws.best.name:
+        yield Finding(_SHOWN[name], {symbol: of[symbol] for symbol in DEPARTURES[name]})
     if len(laws.models) > 1:
         yield Finding("laws of speed", weights_of(laws))
     yield Finding("no K_z")

@@ -52,11 +52,7 @@ if TYPE_CHECKING:
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
 _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
-_WORDS = {
-    "none": "no contact",
-    "one slider": "one slider",
-    "gradual": "a contact that yields gradually",
-}
+_WORDS = {"none": "no contact", "gradual": "a contact that yields gradually"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -393,17 +389,14 @@ def _supported(compared: ContactComparison) -> Finding:
     """Return a finding on the contact that the lines support, by its weight."""
     name, fit = compared.supported, compared.fits[compared.supported]
     left = fit.problem.misfit(fit.point)
-    numbers: dict[str, Any] = {
-        "contact": _WORDS[fit.problem.contact],
+    others = (n for n, weight in compared.weights.items() if n != name and weight > 1.0 - CLEAR)
+    numbers = {"loss": left.loss, "stiffness": left.in_phase, "weight": compared.weights[name]}
+    of = {
+        "contact": _WORDS.get(fit.problem.contact, "one slider"),
         "terms": fit.terms,
-        "loss": left.loss,
-        "stiffness": left.in_phase,
-        "weight": compared.weights[name],
-        "others": tuple(
-            other for other, w in compared.weights.items() if other != name and w > 1.0 - CLEAR
-        ),
+        "others": tuple(others),
     }
-    return Finding("contact", numbers)
+    return Finding("contact", numbers | of)
 
 
 def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:
