@@ -236,7 +236,7 @@ _FURTHER = {
 
 def _departure(fit: SpeedFit) -> Iterator[Finding]:
     """Yield a finding where the residual follows the speed: the force is another function of it."""
-    data, unknowns = fit.problem, np.count_nonzero(fit.parameters.free) - fit.has("T_0")
+    data, unknowns = fit.problem, int(fit.parameters.free.sum()) - fit.has("T_0")
     order = np.argsort(np.abs(data.v), kind="stable")
     left = (np.sign(data.v) * fit.left / data.error)[order]
     width = max(2, left.size // _PARTS)

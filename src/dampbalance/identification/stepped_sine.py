@@ -359,7 +359,10 @@ def _answer(
     answer = Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
     if compared is not None and name == compared.supported:
         answer = averaged(answer, compared.selection)
-    return replace(answer, parameters={s: _positive(p) for s, p in answer.parameters.items()})
+    # none of them is negative
+    ends = {s: Interval(max(low, 0.0), high) for s, (low, high) in answer.intervals.items()}
+    parameters = {s: replace(p, interval=ends[s]) for s, p in answer.parameters.items()}
+    return replace(answer, parameters=parameters)
 
 
 _SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
@@ -378,11 +381,6 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     if math.isinf(interval.high):
         return ParameterEstimate(math.inf, math.nan, interval)
     return ParameterEstimate(fit.value(symbol), fit.error(symbol), interval)
-
-
-def _positive(p: ParameterEstimate) -> ParameterEstimate:
-    """Return an estimate of what cannot be negative."""
-    return replace(p, interval=Interval(max(p.interval.low, 0.0), p.interval.high))
 
 
 def _supported(compared: ContactComparison) -> Finding:
