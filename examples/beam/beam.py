@@ -114,18 +114,9 @@ def results_of(
     windows = predicted(answer, first)
     off = windows["damping_ratio"] / windows["zeta"] - 1.0
     shown = np.unique(np.linspace(0, len(windows) - 1, SHOWN).round().astype(int))
-    loss = comparison["loss_rms_of_each_level_left_out"]
-    in_phase = comparison["in_phase_rms_of_each_level_left_out_N_per_m"]
     return {
         "supported": comparison["supported"],
-        "laws": {
-            law: {
-                "median": float(np.median(loss[law])),
-                "worst": max(loss[law]),
-                "in_phase_N_per_m": float(np.median(in_phase[law])),
-            }
-            for law in loss
-        },
+        "weights": comparison["weights"],
         "fits": {
             name: {key: of.answer.merit[key] for key in ("loss_rms", "in_phase_rms_N_per_m")}
             for name, of in {"nothing": answer, **fewer}.items()

@@ -42,11 +42,7 @@ _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
 _STIFFEST = 1e10  # of |Z|: a contact that stands for a rigid one
 _COMPARED = 3  # levels, at least
-_PRIORS: Mapping[Contact, str] = {
-    "one slider": "",
-    "gradual": "gradual contact",
-    "none": "no contact",
-}
+_CONTACTS: tuple[Contact, ...] = ("one slider", "gradual", "none")
 _SPRING = ("k", "m", "k_3")
 
 
@@ -391,11 +387,12 @@ def compare_contacts(
     more = [name for name in ("c_2", "c_3") if name not in terms]
     damping = [(*terms, *more[:count]) for count in range(len(more) + 1)]
     laws: list[tuple[str, Contact, Sequence[str], str]] = []
-    for contact, prior in _PRIORS.items():
+    for contact in _CONTACTS:
         for of in damping if contact == "none" else damping[:2]:
-            further = contact != "none" and of != damping[0]
-            name = f"{contact} ({', '.join(of)})" if contact == "none" or further else contact
-            laws.append((name, contact, of, "further damping" if further else prior))
+            plain = contact != "none" and of == damping[0]
+            name = contact if plain else f"{contact} ({', '.join(of)})"
+            prior = f"{contact} contact" if plain or contact == "none" else "further damping"
+            laws.append((name, contact, of, prior))
     fits = {name: _fitted(_asked(lines, contact, of, **options)) for name, contact, of, _ in laws}
     first = fits["one slider"]
     free = [p for fit in fits.values() for p in fit.terms if fit.parameters[p].free]

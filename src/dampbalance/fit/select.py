@@ -78,7 +78,7 @@ PRIORS: Mapping[str, Prior] = {
     "gradual in decays": Prior(0.4, 0.5, "contact of Iwan", positive=True),
     # stepped sine: models that are no extensions of each other, without a size
     "gradual contact": Prior(0.4, math.inf, "none"),
-    "no contact": Prior(0.03, math.inf, "none"),
+    "none contact": Prior(0.03, math.inf, "none"),
     "further damping": Prior(0.03, math.inf, "none"),
     "smoothness": Prior(0.25, math.inf, "none"),
     "gap": Prior(0.03, 0.1, "X", positive=True),

@@ -97,21 +97,15 @@ def stiffness_part(name: str, lines: StiffnessLines, k: float) -> Complexes:
 
 
 class Misfit(NamedTuple):
-    """The distance of lines from a law, or of those of each level, (levels,).
+    """The distance of lines from a law.
 
     loss, in_phase : root mean squares of (loss of the law)/W − 1 and of the in-phase difference, N/m.
-    loss_score, in_phase_score : mean squares of the same in standard errors.
+    score : mean square of both in standard errors.
     """
 
-    loss: Any
-    in_phase: Any
-    loss_score: Any
-    in_phase_score: Any
-
-    @property
-    def score(self) -> Any:
-        """Mean square of both in standard errors."""
-        return 0.5 * (self.loss_score + self.in_phase_score)
+    loss: float
+    in_phase: float
+    score: float
 
 
 def _nnls(A: Array, y: Array) -> Array:
@@ -343,9 +337,8 @@ class StiffnessProblem:
         mode = self.mode(values)
         Z, law = mode.Z, self.law(values, mode)
         both = law.imag / Z.imag - 1.0, law.real - Z.real
-        in_phase, quadrature = np.split(self.weighted(law - Z, values), 2)
         loss, stiffness = (math.sqrt(np.mean(one**2)) for one in both)
-        return Misfit(loss, stiffness, float(np.mean(quadrature**2)), float(np.mean(in_phase**2)))
+        return Misfit(loss, stiffness, float(np.mean(self.weighted(law - Z, values) ** 2)))
 
     def used(self, values: Array) -> Mask:
         """Return the unknowns that a fit has, without κ that are zero, (p,)."""

@@ -213,8 +213,9 @@ def _answer(laws: Selection) -> Answer:
     notes += _departure(fit)
     merit: dict[str, Any] = {"residual_rms_N": float(np.sqrt(np.mean(fit.left**2)))}
     merit |= {"misfit": fit.misfit} if fit.problem.stated else {}
-    for name, (key, unit) in _FURTHER.items():
+    for name, unit in _UNITS.items():
         if fit.has(name):
+            key = "offset" if name == "T_0" else name
             merit |= {f"{key}_{unit}": fit.value(name)}
             merit |= {f"{key}_standard_error_{unit}": fit.error(name)}
     known = [s for s, p in parameters.items() if p is not UNKNOWN]
@@ -224,19 +225,13 @@ def _answer(laws: Selection) -> Answer:
 
 
 _LAWS = {"": "Coulomb", "F_S": "Stribeck", "v_0": "rounded", "c_2": "quadratic"}
-_FURTHER = {
-    "T_0": ("offset", "N"),
-    "F_S": ("F_S", "N"),
-    "v_S": ("v_S", "m_per_s"),
-    "v_0": ("v_0", "m_per_s"),
-    "c_2": ("c_2", "N_s2_per_m2"),
-}
-"""Further numbers of a fit: key and unit of the document."""
+_UNITS = {"T_0": "N", "F_S": "N", "v_S": "m_per_s", "v_0": "m_per_s", "c_2": "N_s2_per_m2"}
+"""Further numbers of a fit, with their units in the document."""
 
 
 def _departure(fit: SpeedFit) -> Iterator[Finding]:
     """Yield a finding where the residual follows the speed: the force is another function of it."""
-    data, unknowns = fit.problem, sum(map(fit.has, ("F_k", "c", "F_S", "v_S", "v_0", "c_2")))
+    data, unknowns = fit.problem, int(fit.parameters.free.sum()) - fit.has("T_0")
     order = np.argsort(np.abs(data.v), kind="stable")
     left = (np.sign(data.v) * fit.left / data.error)[order]
     width = max(2, left.size // _PARTS)
@@ -253,12 +248,11 @@ def _departure(fit: SpeedFit) -> Iterator[Finding]:
 def _rig(laws: Selection) -> Iterator[Finding]:
     """Yield findings on the other numbers of the law, and on what steady speeds do not show."""
     fit = laws.fit
-    of = {name: (fit.value(name), fit.error(name)) for name in _FURTHER}
+    of = {name: (fit.value(name), fit.error(name)) for name in _UNITS}
     if fit.has("T_0"):
         yield Finding("offset", {"offset": of["T_0"]})
-    for name, code in _SHOWN.items():
-        if fit.has(name):
-            yield Finding(code, {symbol: of[symbol] for symbol in DEPARTURES[name]})
+    if name := laws.best.name:
+        yield Finding(_SHOWN[name], {symbol: of[symbol] for symbol in DEPARTURES[name]})
     if len(laws.models) > 1:
         yield Finding("laws of speed", weights_of(laws))
     yield Finding("no K_z")

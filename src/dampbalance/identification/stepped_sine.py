@@ -52,11 +52,7 @@ if TYPE_CHECKING:
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
 _FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
-_WORDS = {
-    "none": "no contact",
-    "one slider": "one slider",
-    "gradual": "a contact that yields gradually",
-}
+_WORDS = {"none": "no contact", "gradual": "a contact that yields gradually"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -363,7 +359,10 @@ def _answer(
     answer = Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
     if compared is not None and name == compared.supported:
         answer = averaged(answer, compared.selection)
-    return replace(answer, parameters={s: _positive(p) for s, p in answer.parameters.items()})
+    # none of them is negative
+    ends = {s: Interval(max(low, 0.0), high) for s, (low, high) in answer.intervals.items()}
+    parameters = {s: replace(p, interval=ends[s]) for s, p in answer.parameters.items()}
+    return replace(answer, parameters=parameters)
 
 
 _SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
@@ -384,26 +383,18 @@ def _estimate(symbol: str, fit: ContactFit) -> ParameterEstimate:
     return ParameterEstimate(fit.value(symbol), fit.error(symbol), interval)
 
 
-def _positive(p: ParameterEstimate) -> ParameterEstimate:
-    """Return an estimate of what cannot be negative."""
-    return replace(p, interval=Interval(max(p.interval.low, 0.0), p.interval.high))
-
-
 def _supported(compared: ContactComparison) -> Finding:
     """Return a finding on the contact that the lines support, by its weight."""
     name, fit = compared.supported, compared.fits[compared.supported]
     left = fit.problem.misfit(fit.point)
-    numbers: dict[str, Any] = {
-        "contact": _WORDS[fit.problem.contact],
+    others = (n for n, weight in compared.weights.items() if n != name and weight > 1.0 - CLEAR)
+    numbers = {"loss": left.loss, "stiffness": left.in_phase, "weight": compared.weights[name]}
+    of = {
+        "contact": _WORDS.get(fit.problem.contact, "one slider"),
         "terms": fit.terms,
-        "loss": left.loss,
-        "stiffness": left.in_phase,
-        "weight": compared.weights[name],
-        "others": tuple(
-            other for other, w in compared.weights.items() if other != name and w > 1.0 - CLEAR
-        ),
+        "others": tuple(others),
     }
-    return Finding("contact", numbers)
+    return Finding("contact", numbers | of)
 
 
 def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:
