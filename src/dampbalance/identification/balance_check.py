@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from ..findings.finding import UNBOUNDED, Finding
-from ..fit.fit import OscillatorFit
 from ..law.terms import FRICTION, term
 from ..project.wording import listed
 from ..signals.checks import is_clipped
 from ..signals.mean_harmonics import Reading
-from .answer import Answer, Interval, ParameterEstimate
+from .answer import Answer, ParameterEstimate
 from .balance_rows import solved_again
 from .oscillator import CommonFit
 
@@ -86,7 +85,7 @@ def forbidden(
 
 
 def contradiction(
-    check: Answer, answer: Answer | OscillatorFit, least: float = 4e-7, wider: float = 1.0
+    check: Answer, answer: Answer, least: float = 4e-7, wider: float = 1.0
 ) -> Iterator[Finding]:
     """Yield a finding where the balance differs from the answer by more than both intervals together.
 
@@ -95,10 +94,7 @@ def contradiction(
     """
     changes, effect = [], {}
     for symbol, own in check.coefficients.items():
-        if isinstance(answer, Answer):
-            value, ends = answer.values[symbol], answer.intervals[symbol]
-        else:
-            value, ends = answer.value(symbol), Interval(*answer.interval(symbol))
+        value, ends = answer.values[symbol], answer.intervals[symbol]
         halves = wider * own.within * abs(own.value) + 0.5 * (ends.high - ends.low)
         if value and abs(own.value - value) > max(halves, least * abs(value)):
             changes.append((symbol, value, own.value - value))

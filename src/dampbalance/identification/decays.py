@@ -446,7 +446,7 @@ def _solved(
     wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
     if fit.white and not clipped_signals and not fit.further:
-        warnings = [*warnings, *contradiction(answer, fit, USELESS, wider)]
+        warnings = [*warnings, *contradiction(answer, reference, USELESS, wider)]
     decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
         basis=DecayBasis(fit, rows),
