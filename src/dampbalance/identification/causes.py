@@ -15,6 +15,7 @@ for those of Dahl, Bouc–Wen and several sliders.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 
 from ..findings.finding import Finding
@@ -27,6 +28,7 @@ from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
 from ..motion.law_decays import ADDED
 from ..solver import NORMAL_95
+from .weighing import departure, weighed_of
 
 TURNS = ("corner", "delay")
 """Departures that turn the phase of the response: away from resonance, damping does so, too."""
@@ -36,61 +38,29 @@ GRADUAL = ADDED[-1]
 
 FRAME = "frame"
 
-
-CAUSES = (
-    "delay",
-    "corner",
-    "gain",
-    FRAME,
-    "friction_level",
-    "friction_speed",
-    "c_2",
-    "k_3",
-    GRADUAL,
-)
-"""All departures that are known: to add one is a code here and in the table of findings, and one of the nuisances."""
-
 NOT_IN_ROWS = frozenset({"k_3"})
 """Departures that rows of the balance, which take the records as they are, do not have."""
 
-_NAMED = ("delay", "gain")
-"""Departures whose sign is in the words."""
+
+def worded(selection: Selection) -> dict[str, Finding]:
+    """Return the departures that say more than their size, or leave a number in doubt, by name."""
+    absolute = not selection.fit.lines[0].of_base
+    found = {FRAME: Finding(FRAME, {"absolute": absolute})}
+    for one in weighed_of(selection):
+        if doubts := doubts_of(selection, one.name):
+            found[one.name] = replace(departure(one.name, one.size, one.error), effect=doubts)
+    return found
 
 
-def departure(name: str, value: float, error: float) -> Finding:
-    """Return a departure with its size and standard error."""
-    less, unsure = value < 0.0, not error < abs(value)
-    size = (abs(value) if name in _NAMED else value, error)
-    return Finding(name, {"size": size, "less": less, "unsure": unsure})
-
-
-def departures_of(selection: Selection, *names: str) -> tuple[Finding, ...]:
-    """Return departures with their sizes, by name."""
-    found = []
-    for name in names:
-        models = [one for one in selection.models if one.name == name] or [selection.best]
-        fit = models[0].fit
-        if name == FRAME:
-            found.append(Finding(FRAME, {"absolute": not selection.fit.lines[0].of_base}))
-        elif fit is None:
-            found.append(departure(name, *models[0].size))
-        else:
-            found.append(departure(name, fit.value(name), fit.error(name)))
-    return tuple(found)
-
-
-def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
-    """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
+def doubts_of(selection: Selection, name: str) -> dict[str, float]:
+    """Return relative errors that numbers may have by a departure without a trace in the fit: F_k is in proportion to
     the size of the motion, which no gain of a relative response asks for, and a contact that yields gradually is after
     a reversal as stiff as that of Iwan only if it is one."""
-    fit, doubts = selection.fit, dict[str, float]()
-    sizes = {one.code: one.numbers for one in departures_of(selection, *names)}
-    if "gain" in sizes and not any(one.of_base for one in fit.lines):
-        gain = sizes["gain"]["size"][0]
-        doubts = {key: gain for key in fit.law.unknowns if key.symbol == FRICTION}
-    if GRADUAL in sizes:
-        doubts["K_z"] = min(abs(sizes[GRADUAL]["size"][0]), 1.0)
-    return doubts
+    fit = selection.fit
+    size = next((abs(one.size) for one in weighed_of(selection) if one.name == name), 0.0)
+    if name == "gain" and not any(one.of_base for one in fit.lines):
+        return {key: size for key in fit.law.unknowns if key.symbol == FRICTION}
+    return {"K_z": min(size, 1.0)} if name == GRADUAL else {}
 
 
 def sizes_in(fit: WaveformFit) -> dict[str, float]:

@@ -56,7 +56,7 @@ def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) ->
     """Return a finding for each departure that is clearly there, or whose share moves a number by more than `USELESS`.
 
     Numbers and intervals include it by its weight: a finding has no effect on them.   words : departures that say more
-    than their size, by name.
+    than their size, or leave a doubt that no fit shows, by name.
     """
     words, found = words or {}, []
     for one in weighed_of(selection):
@@ -64,7 +64,8 @@ def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) ->
         named = one.name in (*words, *DEPARTURES)
         if named and (clear or _most_moved(selection, one.name) > USELESS):
             what = words.get(one.name) or departure(one.name, one.size, one.error)
-            found.append(Finding("weighs", {"what": (what,), "weight": one.weight, "clear": clear}))
+            numbers = {"what": (what,), "weight": one.weight, "clear": clear}
+            found.append(Finding("weighs", numbers, what.effect))
     return found
 
 
