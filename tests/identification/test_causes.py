@@ -176,7 +176,7 @@ def test_a_motion_in_the_wrong_frame_is_named_and_the_answer_is_that_of_the_righ
     channel, taken_for, hz, base
 ):
     found = identify_readings(in_frame(channel, taken_for, hz, base), PAPER.k)
-    (said,) = (one for one in found.findings if one.code == "weighs")
+    (said,) = (one for one in found.findings if one.numbers.get("clear"))
     (frame,) = said.numbers["what"]
     assert frame == Finding("frame", {"absolute": not channel.startswith("relative")})
     for symbol in ("F_k", "c"):
