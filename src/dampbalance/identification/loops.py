@@ -51,6 +51,7 @@ from .request import read_request
 from .result import Picture, Result
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
+from .weighing import weighed_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -341,6 +342,7 @@ def identify_loops(
         ),
         rig=[*_rig(first, loops, normal)] if first else [],
         check=[Finding(_COMPARED[name]) for name in [*fits][:1]],
+        weighed=next(map(weighed_of, weighed.values()), ()),
         records=tuple(read),
         options=of,
     )

@@ -42,6 +42,7 @@ from .request import read_request
 from .result import Picture, Result
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
+from .weighing import weighed_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,12 +78,11 @@ class SteppedBasis:
         return _of_mode(self.lines, self.fits[found.answer.name])
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return the weights of the contacts, their sliders, and the tables."""
+        """Return the contact that the lines support, the sliders of each, and the tables."""
         compared: dict[str, Any] = {}
         if self.compared is not None:
             compared = {
                 "supported": self.compared.supported,
-                "weights": self.compared.weights,
                 "words": sentence(_supported(self.compared), found.coordinate),
             }
         return {
@@ -262,6 +262,7 @@ def identify_joint(
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[*implied, *_counted(tables)],
         check=[check],
+        weighed=() if compared is None else weighed_of(compared.selection, "one slider"),
         settings={"law": {"terms": law.terms, "given": law.given}},
         records=tuple(tables),
         options=of,

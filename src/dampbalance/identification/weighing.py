@@ -43,12 +43,12 @@ def departure(name: str, size: float, error: float) -> Finding:
     return Finding(name, {"size": shown, "less": size < 0.0, "unsure": not error < abs(size)})
 
 
-def weighed_of(selection: Selection) -> tuple[Weighed, ...]:
+def weighed_of(selection: Selection, plain: str = "") -> tuple[Weighed, ...]:
     """Return what was weighed: departures that became clear one after the other, which all further models have, then
-    these models, the heaviest first."""
+    these models, the heaviest first.   plain : name of the plain one."""
     rows = [Weighed(name, 1.0, *_size(selection, name)) for name in selection.departures]
     pairs = zip(selection.models, selection.weights, strict=True)
-    models = [Weighed(model.name, weight, *model.size) for model, weight in pairs]
+    models = [Weighed(model.name or plain, weight, *model.size) for model, weight in pairs]
     return (*rows, *sorted(models, key=lambda one: -one.weight))
 
 
