@@ -13,7 +13,7 @@ from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
 from ..fit.goodness import LinearFit
 from ..signals.mean_harmonics import Reading
-from ..signals.thresholds import SHOWS
+from ..signals.thresholds import CERTAIN
 from .answer import Answer, doubted
 from .balance_check import alike, contradiction
 from .causes import FRAME, worded
@@ -36,11 +36,7 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
     return [replace(one, code=harmless.get(one.code, one.code)) for one in found]
 
 
-def agreement(
-    readings: Sequence[Reading],
-    common: CommonFit,
-    direct: Answer,
-) -> Iterator[Finding]:
+def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) -> Iterator[Finding]:
     """Yield findings on all records together: what the common fit shows, which levels fail, where the balance by direct
     integration contradicts."""
     yield from _on_the_oscillator(readings, common)
@@ -86,7 +82,7 @@ def _too_stiff(
 ) -> Iterator[Finding]:
     """Yield a finding where a contact that only sticks would have a stiffness below zero: the stiffness that is given
     is too high by as much at least, as a contact adds to that of the spring."""
-    if stuck.contact >= -math.sqrt(SHOWS) * stuck.contact_error:
+    if stuck.contact >= -CERTAIN * stuck.contact_error:
         return
     steady = readings[0].steady
     of_base = "force" not in steady.channels and steady.base_mass is None and mass is not None

@@ -38,21 +38,9 @@ from ..records.mapping import MappingLike
 from ..records.record import Record
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
-from .answer import (
-    DIRECT,
-    REFERENCE,
-    UNKNOWN,
-    Answer,
-    ParameterEstimate,
-)
+from .answer import DIRECT, REFERENCE, UNKNOWN, Answer, ParameterEstimate
 from .balance_check import notes_on
-from .balance_rows import (
-    as_answer,
-    features_of,
-    rows_of,
-    solved_again,
-    solved_forced,
-)
+from .balance_rows import as_answer, features_of, rows_of, solved_again, solved_forced
 from .diagnosis import agreement, on_records
 from .law_comparison import compare_laws
 from .level import Column, Level

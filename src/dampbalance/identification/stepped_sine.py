@@ -28,6 +28,7 @@ from ..project.options import Stated, SteppedSineOptions, with_options
 from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..records.stepped_sine import SteppedRecord, read_lines
+from ..signals.thresholds import CERTAIN
 from .answer import (
     UNKNOWN,
     Answer,
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
-_FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
 _WORDS = {"none": "no contact", "gradual": "a contact that yields gradually"}
 
@@ -306,7 +306,7 @@ def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Finding]:
         return
     k, (shown, gain) = fit.value("k"), fit.shown
     error = abs(k - shown) / math.sqrt(gain) if gain > 0.0 else math.inf
-    if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
+    if abs(k - shown) > CERTAIN * math.hypot(error, stiffness_error):
         of = {"k": k, "shown": (shown, error), "soft": bool(k < shown)}
         yield Finding("stiffness differs", of, UNBOUNDED)
 
