@@ -21,9 +21,8 @@ FEWEST_CYCLES = 4
 _SWING = 0.04
 # of X: a motion that comes so near to its middle before the first reversal, or after the last one, has passed it
 _NEAR_MIDDLE = 0.05
-_NEAR_PEAK = (
-    0.01  # of X: the force at a reversal is the mean of that on the last part of the way to it
-)
+# of X: the force at a reversal is the mean of that on the last part of the way to it
+_NEAR_PEAK = 0.01
 _AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
 _OF_PERIOD, _CLOSE = 40, 0.01  # part of a period that shows reversals, error of ẋ over its size
 # standard deviations of noise: cycles differ from their mean one by no more. Their own scatter is 1; quantization, and
