@@ -180,8 +180,9 @@ def test_the_truth_is_found_in_files(name, tmp_path):
         (tmp_path / "channels.yaml").write_text(yaml.safe_dump(mapping), encoding="utf-8")
     found = identify(files, PAPER.k)
     assert found.verdicts["F_k"].verdict == found.verdicts["c"].verdict == "usable"
-    for symbol, value in found.values.items():
-        # chance leaves one of nine numbers outside four standard errors in one seed of 1,800
+    for symbol in ("F_k", "c"):
+        # chance leaves one of six numbers outside four standard errors in one seed of 2,600
+        value = found.values[symbol]
         apart = abs(value - getattr(PAPER, symbol))
         assert apart < 4.0 * found.standard_errors[symbol] < 0.25 * value, symbol
 

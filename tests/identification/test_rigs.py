@@ -88,10 +88,12 @@ def records(motion, kind, noise=0.01):
 @pytest.mark.parametrize("kind", ["absolute", "relative"])
 def test_a_mount_is_identified_by_its_motion_against_the_base(motion, kind):
     found = identify(records(motion, kind), "5200", mass="3.6±0.001", contact_to="base")
-    for symbol, bound in (("F_k", 0.01), ("c", 0.01), ("K_z", 0.05)):
+    for symbol in ("F_k", "c"):
         true, error = getattr(MOUNT, symbol), found.standard_errors[symbol]
-        assert abs(found.values[symbol] - true) < ERRORS * error < bound * true, symbol
+        assert abs(found.values[symbol] - true) < ERRORS * error < 0.01 * true, symbol
         assert found.verdicts[symbol].verdict == "usable"
+    # one noise leaves it open whether the contact yields gradually, which K_z feels alone
+    assert abs(found.values["K_z"] - MOUNT.K_z) < ERRORS * found.standard_errors["K_z"]
     assert abs(found.mass - MOUNT.m) < ERRORS * found.mass_error + 0.001
     assert found.findings == []
 

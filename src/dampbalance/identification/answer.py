@@ -302,6 +302,7 @@ def averaged(answer: Answer, selection: Selection) -> Answer:
     parameters = {s: p.averaged(*of[s]) if s in of else p for s, p in answer.parameters.items()}
     merit = dict(answer.merit)
     if "m" in of and "m_kg" in merit:
+        merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / of["m"][0])
         merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
     if "rho" in of:
         parameters["K_z"] = _stiffness(answer.K_z, *of["rho"])
