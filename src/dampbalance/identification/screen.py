@@ -314,7 +314,7 @@ def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
 
 def weights(found: Result[Any]) -> list[str]:
     """Return a line for each model that was weighed: what it has beyond the plain one, and of what size."""
-    if not found.weighed:
+    if len(found.weighed) < 2:
         return []
     lines = [
         (MODELS.get(name, name), f"{weight:.2g}", with_error(size, error) if error else "")
