@@ -110,13 +110,13 @@ def results_of(
     answer: Result[Any], fewer: dict[str, Result[Any]], decays: dict[str, pd.DataFrame]
 ) -> dict[str, Any]:
     """Return all numbers of the page.   fewer : identifications without an addition, by its name."""
-    comparison, first = answer.document()["comparison"], decays[CHANNELS[0]]
+    document, first = answer.document(), decays[CHANNELS[0]]
     windows = predicted(answer, first)
     off = windows["damping_ratio"] / windows["zeta"] - 1.0
     shown = np.unique(np.linspace(0, len(windows) - 1, SHOWN).round().astype(int))
     return {
-        "supported": comparison["supported"],
-        "weights": comparison["weights"],
+        "supported": document["comparison"]["supported"],
+        "weights": {one["name"]: one["weight"] for one in document["weights"]},
         "fits": {
             name: {key: of.answer.merit[key] for key in ("loss_rms", "in_phase_rms_N_per_m")}
             for name, of in {"nothing": answer, **fewer}.items()
@@ -124,7 +124,7 @@ def results_of(
         "numbers": {
             row.symbol: {"unit": row.unit, "value": row.value, "interval": [row.low, row.high]}
             for row in answer.to_frame().itertuples()
-            if row.approach == comparison["supported"]
+            if row.approach == document["comparison"]["supported"]
         },
         "windows": windows.loc[shown].to_dict("records"),
         "off_mean": float(off.mean()),

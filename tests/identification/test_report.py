@@ -138,7 +138,7 @@ def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
     if not fitted:
         result = replace(
             result,
-            basis=replace(result.basis, common=replace(result.basis.common, fit=None)),
+            basis=replace(result.basis, common=replace(result.basis.common, selection=None)),
             reference=None,
         )
     for loop in friction_loops(result, PAPER.m).values():

@@ -115,11 +115,12 @@ def test_what_is_missing_is_left_out_and_said(kind, defect):
         )
         # the first of a thousand samples say most of a decay
         assert abs(found.values[symbol] - whole.values[symbol]) < 2.0 * error
-        assert found.standard_errors[symbol] < 2.0 * error
+        # and tell its departures apart, whose share is in the error
+        assert found.standard_errors[symbol] < 3.0 * error
     assert found.verdicts["F_k"].verdict == "usable"
     of = {(one.code, one.numbers.get("count"), one.numbers.get("places")) for one in found.findings}
     assert said in of
-    assert all(one in found.findings for one in whole.findings)
+    assert {one.code for one in whole.findings} <= {code for code, *_ in of}
 
 
 def test_the_balance_of_a_decay_with_a_gap_is_that_without():

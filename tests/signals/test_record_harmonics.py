@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.signals.conditioning import CLEAR_HARMONIC, condition
+from dampbalance.signals.conditioning import condition
 from dampbalance.signals.record_harmonics import RecordHarmonics
+from dampbalance.signals.thresholds import CERTAIN
 from paper_case import NEAR, PAPER, orbits_at
 
 
@@ -49,6 +50,6 @@ def test_their_errors_are_those_of_the_scatter():
 
 
 def test_what_stands_out_of_the_noise_is_clear_and_the_fundamental_always_is():
-    x = np.array([0.5, CLEAR_HARMONIC * 1.01, CLEAR_HARMONIC * 0.99, 30.0])
+    x = np.array([0.5, CERTAIN * 1.01, CERTAIN * 0.99, 30.0])
     lines = RecordHarmonics(1.0, 1.0, 0.1, np.arange(1, 8, 2), x.astype(complex), np.ones(4), 10)
     assert lines.clear.tolist() == [True, True, False, True]

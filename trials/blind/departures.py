@@ -175,8 +175,6 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
     row["words"] = " | ".join(limiting(result))
     inner = [one for of in result.findings for one in within(of.numbers.values())]
     row["gradual"] = any(one.code == "gradual" for one in inner)
-    room = [one.numbers["by"] for one in result.rig if one.code == "contact taken as sudden"]
-    row["room"] = room[0] if room else math.nan
     for symbol in SYMBOLS:
         p, true = answer.parameters[symbol], truth.parameter(symbol)
         sizes = abs(p.value - true) / p.standard_error if p.standard_error > 0.0 else math.nan
@@ -184,8 +182,6 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
             sizes *= 2.0 * (p.value / true) / (1.0 + math.sqrt(p.value / true))
         row |= {f"{symbol}_off": p.value / true - 1.0, f"{symbol}_sizes": sizes}
         row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
-    largest = answer.K_z.interval.high * (1.0 + row["room"])
-    row["warned"] = bool(room) and largest >= truth.K_z >= answer.K_z.interval.low
     return [row]
 
 
@@ -197,15 +193,14 @@ def table(rows: pd.DataFrame) -> str:
         usable = {s: known[f"{s}_usable"].astype(bool) for s in SYMBOLS}
         wrong = {s: known[f"{s}_sizes"] > FAR for s in SYMBOLS}
         silent = {s: wrong[s] & usable[s] for s in SYMBOLS}
-        warned = silent["K_z"] & known["warned"].astype(bool)
-        of_any = silent["F_k"] | silent["c"] | (silent["K_z"] & ~warned)
+        of_any = silent["F_k"] | silent["c"] | silent["K_z"]
         off = 100.0 * known.loc[usable["K_z"], "K_z_off"].abs().median()
         cells = [len(some), len(some) - len(known), known["gradual"].astype(bool).sum()]
         cells += [usable[s].sum() for s in SYMBOLS]
         cells += [pd.DataFrame(wrong).any(axis=1).sum(), *(silent[s].sum() for s in SYMBOLS)]
-        cells += [warned.sum(), of_any.sum(), f"{off:.2g}"]
+        cells += [of_any.sum(), f"{off:.2g}"]
         lines.append([str(name), *map(str, cells)])
     heads = ["departure", "sets", "refused", "gradual contact named", "F_k usable", "c", "K_z"]
     heads += ["beyond 5 standard errors", "of it usable: F_k", "c", "K_z"]
-    heads += ["of K_z, within what a sentence says of such contacts", "silent"]
-    return markdown_table([*heads, "K_z usable, off by, % (median)"], lines) + "\n"
+    heads += ["silent", "K_z usable, off by, % (median)"]
+    return markdown_table(heads, lines) + "\n"

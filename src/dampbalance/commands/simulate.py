@@ -82,9 +82,7 @@ ARGUMENTS = arguments(
             metavar="SYMBOL=VALUE,…",
         ),
         "--sliders": argument(
-            "Jenkins elements, m:N/m, see below; not with --law",
-            type=sliders,
-            metavar="R:KAPPA,…",
+            "Jenkins elements, m:N/m, see below; not with --law", type=sliders, metavar="R:KAPPA,…"
         ),
         "--cycles": quantity("cycles", 100.0, "cycles of the drive"),
         "--start": quantity("start", 0.0, "time of the first sample, s"),

@@ -64,16 +64,10 @@ def schematic() -> Figure:
     top = DAMPER_LEVEL + 6.0
     line([3.0, WALL], [GROUND, GROUND])
     line([WALL, WALL], [GROUND, top])
-    for corner, size in (
-        ((3.0, GROUND - 2.6), (WALL, 2.6)),
-        ((WALL, GROUND), (3.0, top - GROUND)),
-    ):
+    for corner, size in (((3.0, GROUND - 2.6), (WALL, 2.6)), ((WALL, GROUND), (3.0, top - GROUND))):
         axes.add_patch(Rectangle(corner, *size, fc="none", ec=FAINT, lw=0.0, hatch="//////"))
     # the moving base, and the mass: plates on rollers
-    for (left, right), low, inset, fill in (
-        (BASE, 6.7, 1.1, GREY),
-        (MASS, MASS_BOTTOM, 4.5, COOL),
-    ):
+    for (left, right), low, inset, fill in ((BASE, 6.7, 1.1, GREY), (MASS, MASS_BOTTOM, 4.5, COOL)):
         block((left, right), low, MASS_TOP, fill, INK)
         radius = 0.5 * (low - GROUND)
         for x in (left + inset, right - inset):

@@ -22,9 +22,10 @@ class Sentence(NamedTuple):
     spares: tuple[str, ...] = ()
 
 
-_TABLE = files(__package__).joinpath("sentences.toml").read_text(encoding="utf-8")
+_TABLE = tomllib.loads(files(__package__).joinpath("sentences.toml").read_text(encoding="utf-8"))
 
-SENTENCES: MutableMapping[str, Sentence] = {
-    code: Sentence(**entry) for code, entry in tomllib.loads(_TABLE).items()
-}
+MODELS: dict[str, str] = _TABLE.pop("models")
+"""Name of a model that is weighed → what it has beyond the plain one."""
+
+SENTENCES: MutableMapping[str, Sentence] = {code: Sentence(**of) for code, of in _TABLE.items()}
 """Code → what the finding says."""

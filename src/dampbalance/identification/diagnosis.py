@@ -13,11 +13,12 @@ from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
 from ..fit.goodness import LinearFit
 from ..signals.mean_harmonics import Reading
-from ..signals.thresholds import SHOWS
+from ..signals.thresholds import CERTAIN
 from .answer import Answer, doubted
 from .balance_check import alike, contradiction
-from .causes import FRAME, departures_of, doubts_of
+from .causes import FRAME, worded
 from .oscillator import CommonFit
+from .weighing import said_of
 
 _WORSE_IN_ROWS = {"clipped", "unsettled"}
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
@@ -35,11 +36,7 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
     return [replace(one, code=harmless.get(one.code, one.code)) for one in found]
 
 
-def agreement(
-    readings: Sequence[Reading],
-    common: CommonFit,
-    direct: Answer,
-) -> Iterator[Finding]:
+def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) -> Iterator[Finding]:
     """Yield findings on all records together: what the common fit shows, which levels fail, where the balance by direct
     integration contradicts."""
     yield from _on_the_oscillator(readings, common)
@@ -68,12 +65,7 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         return
     fit, of = common.fit, common.selection
     if of is not None:
-        if clear := common.clear:
-            causes = departures_of(of, *clear)
-            yield Finding("departs", {"causes": causes}, doubts_of(of, *clear))
-        for name in common.possible:
-            weighed = {"causes": departures_of(of, name), "weight": of.weight(name)}
-            yield Finding("hints", weighed, doubts_of(of, name))
+        yield from said_of(of, worded(of))
     if common.mass is not None and not common.mass_fits:
         by_force = any("force" in reading.steady.channels for reading in readings)
         yield on_mass(common.closest, common.mass, by_force)
@@ -90,7 +82,7 @@ def _too_stiff(
 ) -> Iterator[Finding]:
     """Yield a finding where a contact that only sticks would have a stiffness below zero: the stiffness that is given
     is too high by as much at least, as a contact adds to that of the spring."""
-    if stuck.contact >= -math.sqrt(SHOWS) * stuck.contact_error:
+    if stuck.contact >= -CERTAIN * stuck.contact_error:
         return
     steady = readings[0].steady
     of_base = "force" not in steady.channels and steady.base_mass is None and mass is not None

@@ -45,10 +45,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
         **({"weights": [one._asdict() for one in found.weighed]} if found.weighed else {}),
         **({} if found.laws is None else {"laws": _of_laws(found.laws, coordinate)}),
         **of_kind,
-        "damping": {
-            "damping_ratio": found.damping_ratio,
-            "levels": found.level_documents,
-        },
+        "damping": {"damping_ratio": found.damping_ratio, "levels": found.level_documents},
         "sensitivities_of": of,
         "sensitivities": {
             name: {"fault": told(found, FAULTS[name].words)}
@@ -71,10 +68,7 @@ def table(found: Result[Any]) -> list[dict[str, Any]]:
         row = {"approach": name} | _columns(answer, table=True)
         row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
         for symbol, v in answer.verdicts.items():
-            row |= {
-                f"{symbol}_verdict": v.verdict,
-                f"{symbol}_within_percent": 100.0 * v.within,
-            }
+            row |= {f"{symbol}_verdict": v.verdict, f"{symbol}_within_percent": 100.0 * v.within}
         notes = (f"{one.code}: {sentence(one, found.coordinate)}" for one in answer.notes)
         rows.append(row | {"note": "; ".join(notes)})
     rows[0]["no_answer"] = found.no_answer

@@ -38,21 +38,9 @@ from ..records.mapping import MappingLike
 from ..records.record import Record
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
-from .answer import (
-    DIRECT,
-    REFERENCE,
-    UNKNOWN,
-    Answer,
-    ParameterEstimate,
-)
+from .answer import DIRECT, REFERENCE, UNKNOWN, Answer, ParameterEstimate
 from .balance_check import notes_on
-from .balance_rows import (
-    as_answer,
-    features_of,
-    rows_of,
-    solved_again,
-    solved_forced,
-)
+from .balance_rows import as_answer, features_of, rows_of, solved_again, solved_forced
 from .diagnosis import agreement, on_records
 from .law_comparison import compare_laws
 from .level import Column, Level
@@ -64,6 +52,7 @@ from .rigs import Masses, masses_of, of_a_mount, require_driven_by, require_poss
 from .screen import implied
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
+from .weighing import weighed_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -377,10 +366,9 @@ def identify_readings(
     fit, rig = common.fit, list[Finding]()
     if fit is not None:
         rig = implied(common.closest, mass if common.mass_fits else None)
-    if common.delay is not None and not (common.clear or common.possible):
+    of_records, of_all = on_records(readings, common), [*agreement(readings, common, direct)]
+    if common.delay is not None and not any(one.code == "weighs" for one in of_all):
         rig.append(Finding("timing", {"late": common.delay}))
-    of_records = on_records(readings, common)
-    of_all = agreement(readings, common, direct)
     return Result(
         basis=ForcedBasis(law, tuple(readings), common, own[:, 0]),
         k=k,
@@ -390,6 +378,7 @@ def identify_readings(
         odd=(*of_records, *of_all),
         head=f"{len(readings)} record{'s' * (len(readings) > 1)} at {hz} Hz; the answer first, with 95 % intervals",
         rig=rig,
+        weighed=() if common.selection is None else weighed_of(common.selection),
         settings={"law": {"terms": law.terms, "given": law.given, "groups": law.groups}},
     )
 

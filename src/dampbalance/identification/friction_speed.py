@@ -29,6 +29,7 @@ from .request import read_request
 from .result import Picture, Result
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
+from .weighing import weighed_of
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -55,10 +56,9 @@ class SpeedBasis:
     columns: ClassVar[Mapping[str, Column]] = {}
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return the weights of the laws, and the rows with the forces of the heaviest."""
+        """Return the rows with the forces of the heaviest law."""
         fit, data = self.laws.fit, self.laws.fit.problem
         return {
-            "weights": weights_of(self.laws),
             "speeds": {
                 "velocity_m_per_s": data.v,
                 "force_N": data.F,
@@ -145,6 +145,7 @@ def identify_friction_speed(
         ),
         rig=(),
         check=[*_rig(laws)],
+        weighed=weighed_of(laws),
         records=tuple(read),
         options=of,
     )

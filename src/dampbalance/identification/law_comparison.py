@@ -182,14 +182,11 @@ def _neighbours(
         return bayes_factor(value, math.sqrt(noise * square), prior)[0] if square else 0.0
 
     def lost(symbol: str, added: Sequence[Departure] = ()) -> float:
-        total = _ODDS
+        total, of = _ODDS, np.array([(one.value, one.error) for one in added]).reshape(-1, 2)
         for key in _keys([symbol], fit):
-            by = [one.slopes.get(key, 0.0) for one in added]
-            value = fit.value(key) + math.fsum(
-                a * one.value for a, one in zip(by, added, strict=True)
-            )
-            errors = [fit.error(key), *(a * one.error for a, one in zip(by, added, strict=True))]
-            total += gained(symbol, value, math.fsum(error**2 for error in errors))
+            by = np.array([one.slopes.get(key, 0.0) for one in added])[:, None] * of
+            square = fit.error(key) ** 2 + float(np.sum(by[:, 1] ** 2))
+            total += gained(symbol, fit.value(key) + float(np.sum(by[:, 0])), square)
         return total
 
     if FRICTION not in law:  # what it would explain has to be fitted
@@ -205,12 +202,9 @@ def _neighbours(
 def _laws(terms: Sequence[str], given: Iterable[str] = ()) -> list[Terms]:
     """Return the laws of `MOST_TERMS` terms or fewer in addition to those that are given, with friction and without,
     the smallest first."""
-    laws = {
-        in_order((*friction, *given, *some))
-        for friction in ((FRICTION,), ())
-        for size in range(MOST_TERMS + 1)
-        for some in itertools.combinations(terms, size)
-    }
+    sizes = range(MOST_TERMS + 1)
+    some = [one for size in sizes for one in itertools.combinations(terms, size)]
+    laws = {in_order((*of, *given, *one)) for of in ((FRICTION,), ()) for one in some}
     return sorted(filter(None, laws), key=lambda law: (len(law), law))
 
 
@@ -222,11 +216,7 @@ def _sizes(force: float, speed: float, k: float, omega: float) -> dict[str, floa
 
 @one_thread
 def compare_laws(
-    readings: Sequence[Reading],
-    k: float,
-    *,
-    law: Law | None = None,
-    mass: float | None = None,
+    readings: Sequence[Reading], k: float, *, law: Law | None = None, mass: float | None = None
 ) -> LawComparison:
     """Weigh the laws of up to two terms in addition to friction, or without it, on forced records.
 

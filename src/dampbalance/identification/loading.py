@@ -21,9 +21,8 @@ from ..signals.drive import stands_still
 from ..signals.dwells import Dwell, Swept, dwells_of
 from ..signals.mean_harmonics import Reading
 
-EXCERPT = (
-    16_384  # leading samples of each channel that are plotted, or three cycles of a slow drive
-)
+# leading samples of each channel that are plotted, or three cycles of a slow drive
+EXCERPT = 16_384
 
 
 def keeps_moving(record: Record) -> bool:

@@ -34,6 +34,7 @@ from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..signals.loops import FEWEST_CYCLES, SAME_LEVEL, Loop, levels_of, measures
 from ..signals.one_thread import one_thread
+from ..signals.thresholds import CERTAIN
 from ..solver import NORMAL_95
 from .answer import (
     CONFIDENCE,
@@ -51,6 +52,7 @@ from .request import read_request
 from .result import Picture, Result
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
+from .weighing import weighed_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -59,8 +61,6 @@ if TYPE_CHECKING:
 
 _STIFFEST, _SOFTEST = 0.02, 0.5  # r/X of sliders, where the stiffest and the softest are left out
 _SETTLED = 3.0  # scatters from the later cycles, within which a cycle is steady
-_CERTAIN = 4.0  # standard errors by which a damping is negative
-_TREND = 4.0  # standard errors of a trend that is worth a sentence
 _NO_SLIDER = 0.2  # of F_k or of the loss, from which on a residual bounds no number of the fit
 MOST_SAMPLES = 60_000
 """Samples that a contact is fitted to; of longer records runs of cycles are."""
@@ -341,6 +341,7 @@ def identify_loops(
         ),
         rig=[*_rig(first, loops, normal)] if first else [],
         check=[Finding(_COMPARED[name]) for name in [*fits][:1]],
+        weighed=next(map(weighed_of, weighed.values()), ()),
         records=tuple(read),
         options=of,
     )
@@ -441,7 +442,7 @@ def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
         sizes = len(levels_of(np.concatenate([loop.amplitudes for loop in loops])))
         alone = name == "gradual" and sizes == 1
         notes.append(Finding("no times", {"alone": alone}, {"": math.inf} if alone else {}))
-    elif c < -_CERTAIN * c_error:
+    elif c < -CERTAIN * c_error:
         notes.append(Finding("negative damping", {"c": (c, c_error)}))
     elif not design.with_c:
         notes.append(Finding("one speed"))
@@ -525,7 +526,7 @@ def _rig(
         start = int(np.flatnonzero(off[: loop.cycles // 2]).max(initial=-1)) + 1
         slope, covariance = np.polyfit(cycles, W / W.mean(), 1, cov=True)
         error = math.sqrt(covariance[0, 0])
-        trend = (float(slope[0]), error) if abs(slope[0]) > _TREND * error else ()
+        trend = (float(slope[0]), error) if abs(slope[0]) > CERTAIN * error else ()
         yield Finding(
             "steady loss", {"record": loop.name, "cycle": start + loop.first, "trend": trend}
         )

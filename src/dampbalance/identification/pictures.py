@@ -97,10 +97,7 @@ def plot(
 
 @styled()
 def cycles(
-    records: Sequence[Record],
-    readings: Sequence[Reading],
-    fit: WaveformFit | None,
-    of: Coordinate,
+    records: Sequence[Record], readings: Sequence[Reading], fit: WaveformFit | None, of: Coordinate
 ) -> Figure:
     """Return each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
     oscillator (dashes); below, what the fit leaves of the samples, over the standard deviation of the noise. Without a
@@ -288,12 +285,7 @@ def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
 
 
 def _with_residual(
-    axes: Axes,
-    below: Axes,
-    along: Array,
-    left: Array,
-    ends: tuple[float, float],
-    label: str,
+    axes: Axes, below: Axes, along: Array, left: Array, ends: tuple[float, float], label: str
 ) -> None:
     """Draw, below a panel of samples, the residuals of a fit, over the standard deviation of the noise."""
     below.plot(along, left, ".", **_DOTS)

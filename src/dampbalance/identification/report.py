@@ -221,37 +221,19 @@ _TEMPLATES = jinja2.Environment(
     keep_trailing_newline=True,
 )
 _TEMPLATES.filters |= {
-    "rich": rich,
-    "sentence": sentence,
+    **{of.__name__: of for of in (phrase, rich, sentence, short, unit_of, visible)},
     "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
-    "visible": visible,
-    "short": short,
     "names": _names,
     "value": value_of,
     "interval": interval_of,
     "part": _part,
-    "unit_of": unit_of,
     "words": lambda symbol: "contact stiffness" if symbol == "K_z" else term(symbol).words,
-    "phrase": phrase,
     "figures": lambda value: number_text(_known(value), 4),
     "percent": lambda share: percent(_known(share)),
     "change": lambda share: signed_percent(0.01 * round(100.0 * _known(share), 3)),
     "setting": _setting,
 }
-_TEMPLATES.globals |= {
-    "answers_table": answers_table,
-    "comparison": comparison,
-    "dotted": dotted,
-    "explained": _explained,
-    "FAULTS": FAULTS,
-    "first_check": _first_check,
-    "limiting": limiting,
-    "measured_table": measured_table,
-    "told": told,
-    "measured_caption": measured_caption,
-    "named": named,
-    "rig": _rig,
-    "kind": _kind,
-    "answer_in_words": answer_in_words,
-    "why": _why,
-}
+_TABLES = (answers_table, comparison, measured_caption, measured_table)
+_WORDS = (answer_in_words, dotted, limiting, named, told, _explained, _first_check, _kind, _why)
+_FUNCTIONS = (*_TABLES, *_WORDS, _rig)
+_TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {"FAULTS": FAULTS}

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from ..findings.finding import Finding
+from ..findings.sentences import MODELS
 from ..findings.words import PER_SI, in_a_sentence, limit, unit_of
 from ..findings.words import sentence as worded
 from ..fit.fit import OscillatorFit
@@ -316,10 +317,10 @@ def weights(found: Result[Any]) -> list[str]:
     if not found.weighed:
         return []
     lines = [
-        (name or "none", f"{weight:.2g}", with_error(size, error) if error else "")
+        (MODELS.get(name, name), f"{weight:.2g}", with_error(size, error) if error else "")
         for name, weight, size, error in found.weighed
     ]
-    return aligned([("departure", "weight", "size (SI)"), *lines])
+    return aligned([("model with", "weight", "size (SI)"), *lines])
 
 
 def comparison(found: Result[Any], width: int | None) -> list[str]:

@@ -28,6 +28,7 @@ from ..project.options import Stated, SteppedSineOptions, with_options
 from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..records.stepped_sine import SteppedRecord, read_lines
+from ..signals.thresholds import CERTAIN
 from .answer import (
     UNKNOWN,
     Answer,
@@ -42,6 +43,7 @@ from .request import read_request
 from .result import Picture, Result
 from .sensitivities import Fault
 from .stated import with_stated_uncertainties
+from .weighing import weighed_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,7 +52,6 @@ if TYPE_CHECKING:
     from ..records.measured import RecordLike
 
 _FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
-_FAR = 4.0  # standard errors by which a stiffness that is stated is contradicted
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
 _WORDS = {"none": "no contact", "gradual": "a contact that yields gradually"}
 
@@ -77,12 +78,11 @@ class SteppedBasis:
         return _of_mode(self.lines, self.fits[found.answer.name])
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return the weights of the contacts, their sliders, and the tables."""
+        """Return the contact that the lines support, the sliders of each, and the tables."""
         compared: dict[str, Any] = {}
         if self.compared is not None:
             compared = {
                 "supported": self.compared.supported,
-                "weights": self.compared.weights,
                 "words": sentence(_supported(self.compared), found.coordinate),
             }
         return {
@@ -262,6 +262,7 @@ def identify_joint(
         head=f"{lines.X.size} lines at {len(lines.names)} levels; the answer first, with 95 % intervals",
         rig=[*implied, *_counted(tables)],
         check=[check],
+        weighed=() if compared is None else weighed_of(compared.selection, "one slider"),
         settings={"law": {"terms": law.terms, "given": law.given}},
         records=tuple(tables),
         options=of,
@@ -305,7 +306,7 @@ def _on_stiffness(fit: ContactFit, stiffness_error: float) -> Iterator[Finding]:
         return
     k, (shown, gain) = fit.value("k"), fit.shown
     error = abs(k - shown) / math.sqrt(gain) if gain > 0.0 else math.inf
-    if abs(k - shown) > _FAR * math.hypot(error, stiffness_error):
+    if abs(k - shown) > CERTAIN * math.hypot(error, stiffness_error):
         of = {"k": k, "shown": (shown, error), "soft": bool(k < shown)}
         yield Finding("stiffness differs", of, UNBOUNDED)
 

@@ -43,12 +43,12 @@ def departure(name: str, size: float, error: float) -> Finding:
     return Finding(name, {"size": shown, "less": size < 0.0, "unsure": not error < abs(size)})
 
 
-def weighed_of(selection: Selection) -> tuple[Weighed, ...]:
+def weighed_of(selection: Selection, plain: str = "") -> tuple[Weighed, ...]:
     """Return what was weighed: departures that became clear one after the other, which all further models have, then
-    these models, the heaviest first."""
+    these models, the heaviest first.   plain : name of the plain one."""
     rows = [Weighed(name, 1.0, *_size(selection, name)) for name in selection.departures]
     pairs = zip(selection.models, selection.weights, strict=True)
-    models = [Weighed(model.name, weight, *model.size) for model, weight in pairs]
+    models = [Weighed(model.name or plain, weight, *model.size) for model, weight in pairs]
     return (*rows, *sorted(models, key=lambda one: -one.weight))
 
 
@@ -56,7 +56,7 @@ def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) ->
     """Return a finding for each departure that is clearly there, or whose share moves a number by more than `USELESS`.
 
     Numbers and intervals include it by its weight: a finding has no effect on them.   words : departures that say more
-    than their size, by name.
+    than their size, or leave a doubt that no fit shows, by name.
     """
     words, found = words or {}, []
     for one in weighed_of(selection):
@@ -64,7 +64,8 @@ def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) ->
         named = one.name in (*words, *DEPARTURES)
         if named and (clear or _most_moved(selection, one.name) > USELESS):
             what = words.get(one.name) or departure(one.name, one.size, one.error)
-            found.append(Finding("weighs", {"what": (what,), "weight": one.weight, "clear": clear}))
+            numbers = {"what": (what,), "weight": one.weight, "clear": clear}
+            found.append(Finding("weighs", numbers, what.effect))
     return found
 
 

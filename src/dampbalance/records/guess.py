@@ -19,13 +19,7 @@ from ..arrays import Array
 from ..findings.finding import Finding
 from ..project.wording import listed, shortened
 from . import samples
-from .channel import (
-    ABSOLUTE,
-    ACCOMPANYING,
-    EXCITATIONS,
-    ORDERS,
-    RESPONSES,
-)
+from .channel import ABSOLUTE, ACCOMPANYING, EXCITATIONS, ORDERS, RESPONSES
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (

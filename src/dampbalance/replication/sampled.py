@@ -68,13 +68,7 @@ class _Instant(NamedTuple):
 
 @jit
 def read_cycle(
-    signals: Array,
-    t0: float,
-    dt: float,
-    omega: float,
-    k: float,
-    between: bool,
-    slip_samples: int,
+    signals: Array, t0: float, dt: float, omega: float, k: float, between: bool, slip_samples: int
 ) -> Cycle:
     """Return the first whole cycle of a record that begins with a forward reversal.
 
@@ -152,13 +146,7 @@ def _reversal(
 
 @jit
 def _onset(
-    x: Array,
-    v: Array,
-    acceleration: Array,
-    dt: float,
-    n_reversal: int,
-    n_next: int,
-    between: bool,
+    x: Array, v: Array, acceleration: Array, dt: float, n_reversal: int, n_next: int, between: bool
 ) -> tuple[int, int, _Instant]:
     """Return (trouble, how many, slip onset) between two reversals: where the slope of the acceleration breaks."""
     first = n_reversal + 1

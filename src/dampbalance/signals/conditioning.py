@@ -46,13 +46,11 @@ from .checks import ROUNDING, weighted_mean
 from .cycles import CycleHarmonics, cycle_harmonics, frequency_offset, powers
 from .drive import LEADING, frequency_of, step_of
 from .one_thread import one_thread
+from .thresholds import CERTAIN
 
 _MOST_HARMONICS = (31, 61, 91)
 """Highest harmonic taken of a displacement, a velocity and an acceleration of the mass; a quarter of the samples per
 cycle limits it too."""
-
-CLEAR_HARMONIC = 4.0
-"""Standard deviations by which a harmonic stands out of the noise: by chance one in 16,000 does."""
 
 _FILTERED_OUT = 1e-3  # least gain of a filter: a harmonic that passes with less is noise
 
@@ -405,9 +403,9 @@ def _combined(
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
-    """Return the highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CLEAR_HARMONIC`); two in
+    """Return the highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CERTAIN`); two in
     a row may be hidden."""
     orders = np.arange(lowest, len(mean), 2)
-    clear = orders[(orders == lowest) | (np.abs(mean[orders]) > CLEAR_HARMONIC * error[orders])]
+    clear = orders[(orders == lowest) | (np.abs(mean[orders]) > CERTAIN * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]
     return int(ends[0])

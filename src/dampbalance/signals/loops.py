@@ -12,6 +12,7 @@ import numpy as np
 from numpy.polynomial.legendre import legvander
 
 from ..arrays import Array, Integers, Mask
+from .thresholds import CERTAIN
 
 FEWEST_CYCLES = 4
 """Cycles of all records that a contact is fitted to: of fewer the scatter between them says nothing."""
@@ -20,10 +21,8 @@ FEWEST_CYCLES = 4
 _SWING = 0.04
 # of X: a motion that comes so near to its middle before the first reversal, or after the last one, has passed it
 _NEAR_MIDDLE = 0.05
-_NEAR_PEAK = (
-    0.01  # of X: the force at a reversal is the mean of that on the last part of the way to it
-)
-_SHARP = 4.0  # standard deviations of noise, from which on a bend of x is a corner
+# of X: the force at a reversal is the mean of that on the last part of the way to it
+_NEAR_PEAK = 0.01
 _AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
 _OF_PERIOD, _CLOSE = 40, 0.01  # part of a period that shows reversals, error of ẋ over its size
 # standard deviations of noise: cycles differ from their mean one by no more. Their own scatter is 1; quantization, and
@@ -33,10 +32,8 @@ _PERIODIC = 1.5
 _DEGREE, _STANDS_OUT = 24, 3.0
 _RUN, _STANDS_OUT_OF_ALL = 8, 4.5  # samples of a run, and of all runs
 _FEWEST_POINTS, _ROUNDS = 16, 3  # of a mean cycle, and of finding its period
-# harmonics of a mean cycle that stand for it alone, at the most, and standard deviations by which each is no noise
-_FEW, _HARMONIC = 8, 4.0
+_FEW = 8  # harmonics of a mean cycle that stand for it alone, at the most
 _DRAWS = 4  # pairs of drawings of noise
-_CERTAIN = 4.0  # standard errors by which energy is gained
 SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 
 
@@ -72,7 +69,7 @@ def corners(x: Array, turns: Integers, noise: float) -> Array:
         around = -way * bend[first - 1 : first + 3]
         smooth = float(np.mean(around[[0, 3]]))
         above = 0.5 * (float(around[1:3].min()) - smooth)
-        if above > max(_SHARP * noise, abs(smooth)):
+        if above > max(CERTAIN * noise, abs(smooth)):
             through[first] = x[p] + way * above
         elif abs(slope := 0.5 * float(x[p + 1] - x[p - 1])) < _AROUND_PEAK * abs(bend[p]):
             through[p - (slope * way < 0.0)] = x[p] - 0.5 * slope**2 / bend[p]
@@ -147,7 +144,7 @@ def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float,
     left, other = noise / math.sqrt(count), drawn[:, :points] / math.sqrt(count)
     mean = (every - lines).mean(axis=0)
     harmonics = np.fft.rfft(mean)
-    few = np.abs(harmonics) > _HARMONIC * left * math.sqrt(0.5 * points)
+    few = np.abs(harmonics) > CERTAIN * left * math.sqrt(0.5 * points)
     smooth = np.fft.irfft(harmonics * few, points)
     if few.sum() <= _FEW and _is_noise(mean - smooth, left):
         mean, other = smooth, np.fft.irfft(np.fft.rfft(other) * few, points)
@@ -272,7 +269,7 @@ class Loop:
         loop = cls(name, t, x, through, v, f, cycle, errors, first=skipped + 1)
         lost = loop.lost / loop.amplitudes
         scatter = lost.std(ddof=1) / math.sqrt(lost.size) if lost.size > 1 else 0.0
-        gains = lost.mean() < -_CERTAIN * scatter
+        gains = lost.mean() < -CERTAIN * scatter
         return replace(loop, f=-f, flipped=True) if gains else loop
 
     def settled(self) -> Loop:

@@ -12,8 +12,8 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..records.channel import ORDERS, Correction
-from .conditioning import CLEAR_HARMONIC, SteadyRecord
-from .thresholds import SIGNIFICANT
+from .conditioning import SteadyRecord
+from .thresholds import CERTAIN, SIGNIFICANT
 
 # Degrees of freedom that a row adds to an error, which is smoothed over five harmonics.
 _NEIGHBOURS = 6
@@ -73,7 +73,7 @@ class RecordHarmonics:
     @property
     def clear(self) -> Mask:
         """Mask of the harmonics that stand out of the noise; the fundamental always does."""
-        return (np.abs(self.x) > CLEAR_HARMONIC * self.x_error) | (self.n == 1)
+        return (np.abs(self.x) > CERTAIN * self.x_error) | (self.n == 1)
 
     @property
     def error_freedom(self) -> int:

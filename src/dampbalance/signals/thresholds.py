@@ -1,9 +1,10 @@
 """Every probability that decides something about records, with its reason: the one table of thresholds.
 
 A test asks how probable what it sees is in records of the oscillator with white noise. All tests together may cast a
-doubt on, or reject, at most `BUDGET` of the sets of records that are sound: each has a share of it, its threshold times
-how often it is asked in a usual set. A test that only chooses which samples count, or where a search goes on, has none:
-by mistake it costs time or a few samples, and doubts nothing.
+doubt on, or reject, at most 5 % of the sets of records that are sound, as many as an interval of 95 % may miss: each
+has a share of it, its threshold times how often it is asked in a usual set (`tests/signals/test_thresholds.py` adds
+them up). A test that only chooses which samples count, or where a search goes on, has none: by mistake it costs time or
+a few samples, and doubts nothing.
 
 An alarm is no doubt yet: what a test finds counts by what it may do to the numbers (`identification.answer.doubted`).
 """
@@ -11,12 +12,8 @@ An alarm is no doubt yet: what a test finds counts by what it may do to the numb
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 from scipy import special
-
-BUDGET = 0.05
-"""Share of sound sets that all tests together may doubt: as many as an interval of 95 % may miss."""
 
 NEVER = 2.9e-7
 """A difference that may lie anywhere among thousands of harmonics, channels and records: once in two million sets of
@@ -43,18 +40,9 @@ Each changes what is answered, and is asked a few times in a set."""
 SHOWS = float(special.chdtri(1.0, P_SHOWN))
 """Fall of χ² from which on one unknown shows then, sixteen."""
 
+CERTAIN = math.sqrt(SHOWS)
+"""Standard errors by which a number, or a harmonic, then stands out: by chance one in 16,000 does."""
+
 
 P_STEP_BACK = 3e-4
 """χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
-
-TESTS: Mapping[str, int] = {
-    "NEVER": 1000,  # harmonics, cycles and channels of ten records
-    "P_DRIFT": 20,  # base and response of ten records
-    "P_OF_THE_MODEL": 7,  # forced records, the residual of decays, half cycles, four steps that join decays
-    "P_SHOWN": 4,  # slip, mass, F_k and c of the balance
-    "P_STEP_BACK": 0,
-}
-"""Number of times that each is asked, with the power to cast a doubt, in a usual set of records."""
-
-SHARES: Mapping[str, float] = {name: globals()[name] * n for name, n in TESTS.items()}
-"""The share of the budget that each test may use."""

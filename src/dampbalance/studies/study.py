@@ -12,6 +12,7 @@ import pandas as pd
 
 from ..arguments import names, one_of, shown, whole
 from ..model import UNITS, Oscillator, named_with_unit
+from ..project.documents import DEEPEST
 from .cases import case_columns
 from .evaluate import evaluate, responses_of
 from .study_file import PAPER_CASE, Listed, Study
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-_DEEPEST = 20  # lists and mappings inside each other, as in a file
 _OF_NAMES = ("approaches", "phases", "sharing", "contact", "weights", "yardsticks", "fits")
 
 
@@ -233,8 +233,8 @@ def _document(given: Mapping[str, Any]) -> dict[str, Any]:
 
 def _plain(value: Any, depth: int = 0) -> Any:
     """Return a value as a YAML file would hold it; what none can hold becomes text, which the schema refuses."""
-    if depth > _DEEPEST:
-        raise ValueError(f"study(): more than {_DEEPEST} lists and mappings inside each other")
+    if depth > DEEPEST:
+        raise ValueError(f"study(): more than {DEEPEST} lists and mappings inside each other")
     if isinstance(value, Oscillator):
         value = {named_with_unit(name, UNITS[name]): x for name, x in asdict(value).items()}
     if hasattr(value, "tolist") and not isinstance(value, type):

@@ -41,10 +41,7 @@ from .instruments import instruments_data, slider_controls
 LARGEST_PAGE = 3_500_000  # bytes: a page that a phone loads in seconds
 STATIC = Path(__file__).with_name("static")
 STYLES = ("style.css", "instruments.css")
-SCRIPTS = (
-    *("page.js", "engine.js", "kit.js"),
-    *("oscillator.js", "off_resonance.js"),
-)
+SCRIPTS = (*("page.js", "engine.js", "kit.js"), *("oscillator.js", "off_resonance.js"))
 
 _POWER = re.compile(r"\b(\d[\d.]*)[eE]([-+]?\d+)\b")
 _METADATA = re.compile("<metadata.*?</metadata>", re.DOTALL)

@@ -29,14 +29,7 @@ from ...features import Features, of_numbers
 from ...project.case import Case
 from ...project.wording import cut
 from ...solver import Pair, pair_label
-from ..numbers import (
-    COEFFICIENTS,
-    PRINTED_APPROACHES,
-    Key,
-    of_errors,
-    of_estimates,
-    of_features,
-)
+from ..numbers import COEFFICIENTS, PRINTED_APPROACHES, Key, of_errors, of_estimates, of_features
 
 LONGEST = 25
 """Characters of a number at most."""

@@ -51,10 +51,7 @@ class Drawn(NamedTuple):
 
 
 def drawn(
-    exact: Features,
-    case: Case,
-    bound: float,
-    spreads: Sequence[tuple[float, float]] = SPREADS,
+    exact: Features, case: Case, bound: float, spreads: Sequence[tuple[float, float]] = SPREADS
 ) -> list[Drawn]:
     """Draw the largest error of F_k and c over the pairs of levels and hold it against a bound, per cent.
 
