@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import special
 
-from ..arrays import Array, Complexes
+from ..arrays import Complexes
 from ..law.terms import term
 from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
@@ -112,10 +112,3 @@ def probability(chi_square: float, freedom: float, lines: Sequence[RecordHarmoni
         return 1.0
     of_errors = sum(one.error_freedom for one in lines)
     return float(special.fdtrc(freedom, of_errors, chi_square / freedom))
-
-
-def as_good(scores: Array, others: Array) -> bool:
-    """Return whether the misfits of a law to levels are no larger than another's, within one standard error of the
-    difference over levels."""
-    worse = scores - others
-    return float(np.mean(worse)) <= float(np.std(worse, ddof=1)) / math.sqrt(worse.size)

@@ -63,9 +63,9 @@ class Prior(NamedTuple):
 
 PRIORS: Mapping[str, Prior] = {
     # channels
-    "delay": Prior(0.015, 2.0, "sample interval"),
-    "gain": Prior(0.02, 0.02, "gain"),
-    "corner": Prior(0.01, 0.03, "frequency of the slowest record", positive=True),
+    "delay": Prior(0.01, 2.0, "sample interval"),
+    "gain": Prior(0.01, 0.02, "gain"),
+    "corner": Prior(0.005, 0.03, "frequency of the slowest record", positive=True),
     "frame": Prior(0.005, 1.0, "none: the response is relative or absolute"),
     # friction
     "friction_level": Prior(0.02, 0.1, "F_k"),
@@ -173,6 +173,11 @@ class Selection:
         own = [w for model, w in zip(self.models, self.weights, strict=True) if model.name == name]
         return 1.0 if name in self.departures else math.fsum(own)
 
+    def speaks_for(self, name: str) -> bool:
+        """Return whether the records speak for a model by a factor of e, which then has a weight above `REFITTED`."""
+        evident = any(one.evidence > 1.0 for one in self.models if one.name == name)
+        return evident and self.weight(name) > REFITTED
+
     @property
     def values(self) -> Array:
         """The numbers, means over all models, (p,)."""
@@ -252,7 +257,7 @@ def select(
         asked = [
             one
             for one in known
-            if found.weight(one.name) > REFITTED and one.name not in fits and one.name not in failed
+            if found.speaks_for(one.name) and one.name not in fits and one.name not in failed
         ]
         if not asked:
             break
@@ -371,18 +376,20 @@ def _weighed(
 def _fitted(one: Candidate, plain: Any, end: Any, keys: tuple[str, ...], noise: float) -> Model:
     """Return a candidate that is fitted."""
     size = (0.0, 0.0)
-    with suppress(KeyError):  # one without an unknown of its name
-        size = end.value(one.name), end.error(one.name) * math.sqrt(noise)
-    if one.evidence is not None:
-        evidence = one.evidence(end)
-    else:
-        value, error = size
-        fall = (plain.chi_square - end.chi_square) / noise
-        evidence = -math.inf
-        if error > 0.0:
-            evidence, *_ = bayes_factor(value, error, one.prior, fall)
     values = np.array([end.value(key) for key in keys])
     covariance = noise * end.covariance_of(*keys)
+    with suppress(KeyError):  # one without an unknown of its name
+        size = end.value(one.name), end.error(one.name) * math.sqrt(noise)
+    (value, error), evidence = size, -math.inf
+    if error > 0.0 and 0.0 < one.prior.size < math.inf:
+        fall = (plain.chi_square - end.chi_square) / noise
+        evidence, mean, variance = bayes_factor(value, error, one.prior, fall)
+        # the numbers follow the unknown from its estimate to what the prior leaves of it
+        by = noise * end.covariance_of(*keys, one.name)[:-1, -1] / error**2
+        values = values + by * (mean - value)
+        covariance = covariance - np.outer(by, by) * (error**2 - variance)
+    if one.evidence is not None:
+        evidence = one.evidence(end)
     return Model(one.name, one.prior.share, evidence, values, covariance, end, size)
 
 

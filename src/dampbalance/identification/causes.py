@@ -14,10 +14,9 @@ for those of Dahl, Bouc–Wen and several sliders.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 
-from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
 from ..fit.nuisances import in_other_frame, units_of
 from ..fit.score import Departure
@@ -26,7 +25,7 @@ from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
 from ..motion.law_decays import ADDED
-from ..solver import NORMAL_95
+from .weighing import weighed_of
 
 TURNS = ("corner", "delay")
 """Departures that turn the phase of the response: away from resonance, damping does so, too."""
@@ -53,43 +52,17 @@ CAUSES = (
 NOT_IN_ROWS = frozenset({"k_3"})
 """Departures that rows of the balance, which take the records as they are, do not have."""
 
-_NAMED = ("delay", "gain")
-"""Departures whose sign is in the words."""
-
-
-def departure(name: str, value: float, error: float) -> Finding:
-    """Return a departure with its size and standard error."""
-    less, unsure = value < 0.0, not error < abs(value)
-    size = (abs(value) if name in _NAMED else value, error)
-    return Finding(name, {"size": size, "less": less, "unsure": unsure})
-
-
-def departures_of(selection: Selection, *names: str) -> tuple[Finding, ...]:
-    """Return departures with their sizes, by name."""
-    found = []
-    for name in names:
-        models = [one for one in selection.models if one.name == name] or [selection.best]
-        fit = models[0].fit
-        if name == FRAME:
-            found.append(Finding(FRAME, {"absolute": not selection.fit.lines[0].of_base}))
-        elif fit is None:
-            found.append(departure(name, *models[0].size))
-        else:
-            found.append(departure(name, fit.value(name), fit.error(name)))
-    return tuple(found)
-
 
 def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
     """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
     the size of the motion, which no gain of a relative response asks for, and a contact that yields gradually is after
     a reversal as stiff as that of Iwan only if it is one."""
     fit, doubts = selection.fit, dict[str, float]()
-    sizes = {one.code: one.numbers for one in departures_of(selection, *names)}
+    sizes = {one.name: abs(one.size) for one in weighed_of(selection) if one.name in names}
     if "gain" in sizes and not any(one.of_base for one in fit.lines):
-        gain = sizes["gain"]["size"][0]
-        doubts = {key: gain for key in fit.law.unknowns if key.symbol == FRICTION}
+        doubts = {key: sizes["gain"] for key in fit.law.unknowns if key.symbol == FRICTION}
     if GRADUAL in sizes:
-        doubts["K_z"] = min(abs(sizes[GRADUAL]["size"][0]), 1.0)
+        doubts["K_z"] = min(sizes[GRADUAL], 1.0)
     return doubts
 
 
@@ -182,26 +155,6 @@ def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     falls = [-changes(one, fit, one.value).get(key, 0.0) for key in fit.law.unknowns]
     near = refit(fit, given={name: one.value / max(1.0, *(fall / 0.9 for fall in falls))})
     return refit(near if near is not None and near.chi_square < fit.chi_square else fit, [name])
-
-
-def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[Finding]:
-    """Return a finding where K_z depends on the contact yielding at once by more than its interval shows, and the
-    records could not tell one that yields gradually from it; none where they could.
-
-    It is a condition and no doubt, as of all numbers on the gains: K_z and its interval are those of the contact that
-    was asked for, which moves like one that yields gradually and is stiffer after a reversal.   tested : all that was
-    tested.
-    """
-    for one in tested:
-        if one.symbol != GRADUAL or fit.rigid:
-            continue
-        # Dahl's contact is twice as stiff after a reversal as the nearest that yields at once: 1.5 is the roundest
-        most = min(max(one.value, 0.0) + NORMAL_95 * one.error, 1.5)
-        part = changes(one, fit, most).get("K_z", 0.0)
-        # less than 3 % of K_z, or than three of its standard errors, is worth no word
-        if part > max(0.03, 3.0 * fit.K_z_error / fit.K_z):
-            return [Finding("contact taken as sudden", {"by": part})]
-    return []
 
 
 def changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float]:

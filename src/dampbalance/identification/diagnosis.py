@@ -16,8 +16,9 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import SHOWS
 from .answer import Answer, doubted
 from .balance_check import alike, contradiction
-from .causes import FRAME, departures_of, doubts_of
+from .causes import FRAME, doubts_of
 from .oscillator import CommonFit
+from .weighing import said_of
 
 _WORSE_IN_ROWS = {"clipped", "unsettled"}
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
@@ -68,12 +69,10 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         return
     fit, of = common.fit, common.selection
     if of is not None:
-        if clear := common.clear:
-            causes = departures_of(of, *clear)
-            yield Finding("departs", {"causes": causes}, doubts_of(of, *clear))
-        for name in common.possible:
-            weighed = {"causes": departures_of(of, name), "weight": of.weight(name)}
-            yield Finding("hints", weighed, doubts_of(of, name))
+        assert fit is not None
+        frame = Finding(FRAME, {"absolute": bool(fit.lines[0].of_base)})
+        for one in said_of(of, {FRAME: frame}):
+            yield replace(one, effect=doubts_of(of, *(what.code for what in one.numbers["what"])))
     if common.mass is not None and not common.mass_fits:
         by_force = any("force" in reading.steady.channels for reading in readings)
         yield on_mass(common.closest, common.mass, by_force)

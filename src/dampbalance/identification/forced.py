@@ -377,10 +377,10 @@ def identify_readings(
     fit, rig = common.fit, list[Finding]()
     if fit is not None:
         rig = implied(common.closest, mass if common.mass_fits else None)
-    if common.delay is not None and not (common.clear or common.possible):
-        rig.append(Finding("timing", {"late": common.delay}))
     of_records = on_records(readings, common)
-    of_all = agreement(readings, common, direct)
+    of_all = [*agreement(readings, common, direct)]
+    if common.delay is not None and not any(one.code == "weighs" for one in of_all):
+        rig.append(Finding("timing", {"late": common.delay}))
     return Result(
         basis=ForcedBasis(law, tuple(readings), common, own[:, 0]),
         k=k,

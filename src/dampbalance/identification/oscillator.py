@@ -26,7 +26,7 @@ from ..signals.mean_harmonics import Reading
 from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import SHOWS
 from ..solver import NORMAL_95
-from .answer import USELESS, Answer, answer_of_fit, averaged
+from .answer import Answer, answer_of_fit, averaged
 from .causes import FRAME, NOT_IN_ROWS, candidates
 
 _DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping act differently
@@ -82,16 +82,6 @@ class CommonFit:
         """Departures of a weight above `CLEAR`."""
         of = self.selection
         return () if of is None else tuple(name for name in of.names if of.weight(name) > CLEAR)
-
-    @property
-    def possible(self) -> tuple[str, ...]:
-        """Other departures whose share moves a coefficient, or ρ, by more than `USELESS`."""
-        of = self.selection
-        if of is None:
-            return ()
-        others = [one.name for one in of.models if one.name and one.name not in self.clear]
-        keys, moved = (*of.fit.law.unknowns, "rho"), {name: of.moved_by(name) for name in others}
-        return tuple(n for n in others if any(abs(moved[n].get(s, 0.0)) > USELESS for s in keys))
 
     @property
     def in_rows(self) -> bool:
