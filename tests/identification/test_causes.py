@@ -13,9 +13,10 @@ from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, steady
 from dampbalance.findings.finding import Finding
 from dampbalance.findings.words import sentence
 from dampbalance.fit.nuisances import NUISANCES
-from dampbalance.identification.causes import departure, doubts_of
+from dampbalance.identification.causes import doubts_of
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import common_fit
+from dampbalance.identification.weighing import departure
 from dampbalance.law.law import Law
 from dampbalance.records.coordinate import TRANSLATION
 from dampbalance.signals.mean_harmonics import read_features
@@ -175,8 +176,8 @@ def test_a_motion_in_the_wrong_frame_is_named_and_the_answer_is_that_of_the_righ
     channel, taken_for, hz, base
 ):
     found = identify_readings(in_frame(channel, taken_for, hz, base), PAPER.k)
-    (said,) = (one for one in found.findings if one.code == "departs")
-    (frame,) = said.numbers["causes"]
+    (said,) = (one for one in found.findings if one.code == "weighs")
+    (frame,) = said.numbers["what"]
     assert frame == Finding("frame", {"absolute": not channel.startswith("relative")})
     for symbol in ("F_k", "c"):
         assert found.values[symbol] == pytest.approx(getattr(PAPER, symbol), rel=0.02)
@@ -186,7 +187,7 @@ def test_a_motion_in_the_wrong_frame_is_named_and_the_answer_is_that_of_the_righ
 @pytest.mark.parametrize("channel", ["displacement", "relative_displacement"])
 def test_a_motion_in_its_own_frame_is_not_doubted(channel):
     answer = identify_readings(in_frame(channel, channel), PAPER.k)
-    assert not any(one.code == "departs" for one in answer.findings)
+    assert not any(one.code == "weighs" for one in answer.findings)
     assert answer.verdicts["F_k"].verdict == "usable"
 
 
@@ -196,8 +197,8 @@ def test_a_wrong_gain_is_said_with_its_size_and_what_only_a_calibration_tells(ga
     base = "base_displacement"
     records = [changed(r, base, values=(1.0 + gain) * r[base].values) for r in records]
     found = identify(records, PAPER.k)
-    (said,) = (one for one in found.findings if one.code == "departs")
-    assert [one.code for one in said.numbers["causes"]] == ["gain"]
+    (said,) = (one for one in found.findings if one.code == "weighs")
+    assert [one.code for one in said.numbers["what"]] == ["gain"]
     for symbol in ("F_k", "c"):
         low, high = found.intervals[symbol]
         assert low < getattr(PAPER, symbol) < high

@@ -65,7 +65,7 @@ PRIORS: Mapping[str, Prior] = {
     # channels
     "delay": Prior(0.01, 2.0, "sample interval"),
     "gain": Prior(0.01, 0.02, "gain"),
-    "corner": Prior(0.005, 0.03, "frequency of the slowest record", positive=True),
+    "corner": Prior(0.01, 0.03, "frequency of the slowest record", positive=True),
     "frame": Prior(0.005, 1.0, "none: the response is relative or absolute"),
     # friction
     "friction_level": Prior(0.02, 0.1, "F_k"),
@@ -213,12 +213,14 @@ class Selection:
         return low, high
 
     def moved_by(self, name: str) -> dict[str, float]:
-        """Return the relative change of each number that comes with the share of a model, w_j Δ_j."""
+        """Return the change of each number that comes with the share of a model, w_j Δ_j, relative to the number or,
+        where that is larger, to its error."""
         at = next(i for i, model in enumerate(self.models) if model.name == name)
-        plain = self.models[0].values
-        by = self.weights[at] * (self.models[at].values - plain)
-        pairs = zip(self.keys, by.tolist(), plain.tolist(), strict=True)
-        return {key: part / value for key, part, value in pairs if value}
+        plain = self.models[0]
+        sizes = np.maximum(np.abs(plain.values), np.sqrt(np.diag(plain.covariance)))
+        by = self.weights[at] * (self.models[at].values - plain.values)
+        pairs = zip(self.keys, by.tolist(), sizes.tolist(), strict=True)
+        return {key: part / size for key, part, size in pairs if size}
 
 
 def select(

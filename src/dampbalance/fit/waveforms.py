@@ -71,7 +71,7 @@ INDEPENDENT = 4.0
 """Independent values in what the higher harmonics leave of an oscillator that is not theirs: those of all levels are
 alike, and the third is the most of it."""
 
-SHARED = 0.005
+SHARED = 0.007
 """Part of what the higher harmonics leave that is an error of the fundamental, too: what makes them acts on it."""
 
 _SETTLED = 1.1  # ratio of two scales of errors that are the same

@@ -14,9 +14,13 @@ for those of Dahl, Bouc–Wen and several sliders.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
+import numpy as np
+
+from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
 from ..fit.nuisances import in_other_frame, units_of
 from ..fit.score import Departure
@@ -25,7 +29,7 @@ from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
 from ..motion.law_decays import ADDED
-from .weighing import weighed_of
+from .weighing import departure, weighed_of
 
 TURNS = ("corner", "delay")
 """Departures that turn the phase of the response: away from resonance, damping does so, too."""
@@ -35,22 +39,11 @@ GRADUAL = ADDED[-1]
 
 FRAME = "frame"
 
-
-CAUSES = (
-    "delay",
-    "corner",
-    "gain",
-    FRAME,
-    "friction_level",
-    "friction_speed",
-    "c_2",
-    "k_3",
-    GRADUAL,
-)
-"""All departures that are known: to add one is a code here and in the table of findings, and one of the nuisances."""
-
-NOT_IN_ROWS = frozenset({"k_3"})
+NOT_IN_ROWS = frozenset({"k_3", GRADUAL})
 """Departures that rows of the balance, which take the records as they are, do not have."""
+
+_MOST = 3.5
+"""Of the size that rigs have: what would have to be larger stands for something else."""
 
 
 def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
@@ -64,6 +57,22 @@ def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
     if GRADUAL in sizes:
         doubts["K_z"] = min(sizes[GRADUAL], 1.0)
     return doubts
+
+
+def unseen_turns(selection: Selection) -> Iterator[Finding]:
+    """Yield a finding for each turn of the phase that may take half of a number or more, where the harmonics, which
+    would tell it from damping, are not those of the oscillator."""
+    plain, keys = selection.models[0], selection.fit.law.unknowns
+    if max(selection.fit.problem.scales) == 1.0:
+        return
+    for one, weight in zip(selection.models, selection.weights, strict=True):
+        by = one.values - plain.values
+        spread = np.sqrt(by**2 + np.maximum(np.diag(one.covariance - plain.covariance), 0.0))
+        parts = zip(selection.keys, (spread / np.abs(plain.values)).tolist(), strict=False)
+        effect = {key: part for key, part in parts if key in keys and part > 0.5}
+        if one.name in TURNS and effect:
+            what = (departure(one.name, *one.size),)
+            yield Finding("weighs", {"what": what, "weight": weight, "clear": False}, effect)
 
 
 def sizes_in(fit: WaveformFit) -> dict[str, float]:
@@ -99,7 +108,10 @@ def candidates(
         fall = own - end.chi_square - penalty(end)
         if name == FRAME:
             return 0.5 * fall
-        return bayes_factor(end.value(name), end.error(name), prior_of(name), fall)[0]
+        value, prior = end.value(name), prior_of(name)
+        if abs(value) > _MOST * prior.size:
+            return -math.inf
+        return bayes_factor(value, end.error(name), prior, fall)[0]
 
     def prior_of(name: str) -> Prior:
         return PRIORS[name]._replace(size=PRIORS[name].size * units[name])
@@ -119,7 +131,7 @@ def candidates(
     found = [
         Candidate(name, prior_of(name), partial(fitted, name), one, partial(weighed, name))
         for name, one in tested.items()
-        if name not in (*names, *barred)
+        if name not in (*names, *barred, *([GRADUAL] if max(fit.problem.scales) > 1.0 else []))
     ]
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not
