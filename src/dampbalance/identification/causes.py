@@ -43,7 +43,7 @@ NOT_IN_ROWS = frozenset({"k_3", GRADUAL})
 """Departures that rows of the balance, which take the records as they are, do not have."""
 
 _MOST = 3.5
-"""Of the size that rigs have: what would have to be larger stands for something else."""
+"""Of the size that rigs have: what is larger by its standard error stands for something else."""
 
 
 def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
@@ -108,10 +108,10 @@ def candidates(
         fall = own - end.chi_square - penalty(end)
         if name == FRAME:
             return 0.5 * fall
-        value, prior = end.value(name), prior_of(name)
-        if abs(value) > _MOST * prior.size:
+        value, error, prior = end.value(name), end.error(name), prior_of(name)
+        if abs(value) - error > _MOST * prior.size:
             return -math.inf
-        return bayes_factor(value, end.error(name), prior, fall)[0]
+        return bayes_factor(value, error, prior, fall)[0]
 
     def prior_of(name: str) -> Prior:
         return PRIORS[name]._replace(size=PRIORS[name].size * units[name])
