@@ -63,8 +63,8 @@ class Prior(NamedTuple):
 
 PRIORS: Mapping[str, Prior] = {
     # channels
-    "delay": Prior(0.015, 2.0, "sample interval"),
-    "gain": Prior(0.02, 0.02, "gain"),
+    "delay": Prior(0.01, 2.0, "sample interval"),
+    "gain": Prior(0.01, 0.02, "gain"),
     "corner": Prior(0.01, 0.03, "frequency of the slowest record", positive=True),
     "frame": Prior(0.005, 1.0, "none: the response is relative or absolute"),
     # friction
@@ -173,6 +173,11 @@ class Selection:
         own = [w for model, w in zip(self.models, self.weights, strict=True) if model.name == name]
         return 1.0 if name in self.departures else math.fsum(own)
 
+    def speaks_for(self, name: str) -> bool:
+        """Return whether the records speak for a model by a factor of e, which then has a weight above `REFITTED`."""
+        evident = any(one.evidence > 1.0 for one in self.models if one.name == name)
+        return evident and self.weight(name) > REFITTED
+
     @property
     def values(self) -> Array:
         """The numbers, means over all models, (p,)."""
@@ -208,12 +213,14 @@ class Selection:
         return low, high
 
     def moved_by(self, name: str) -> dict[str, float]:
-        """Return the relative change of each number that comes with the share of a model, w_j Δ_j."""
+        """Return the change of each number that comes with the share of a model, w_j Δ_j, relative to the number or,
+        where that is larger, to its error."""
         at = next(i for i, model in enumerate(self.models) if model.name == name)
-        plain = self.models[0].values
-        by = self.weights[at] * (self.models[at].values - plain)
-        pairs = zip(self.keys, by.tolist(), plain.tolist(), strict=True)
-        return {key: part / value for key, part, value in pairs if value}
+        plain = self.models[0]
+        sizes = np.maximum(np.abs(plain.values), np.sqrt(np.diag(plain.covariance)))
+        by = self.weights[at] * (self.models[at].values - plain.values)
+        pairs = zip(self.keys, by.tolist(), sizes.tolist(), strict=True)
+        return {key: part / size for key, part, size in pairs if size}
 
 
 def select(
@@ -252,7 +259,7 @@ def select(
         asked = [
             one
             for one in known
-            if found.weight(one.name) > REFITTED and one.name not in fits and one.name not in failed
+            if found.speaks_for(one.name) and one.name not in fits and one.name not in failed
         ]
         if not asked:
             break
@@ -371,18 +378,20 @@ def _weighed(
 def _fitted(one: Candidate, plain: Any, end: Any, keys: tuple[str, ...], noise: float) -> Model:
     """Return a candidate that is fitted."""
     size = (0.0, 0.0)
-    with suppress(KeyError):  # one without an unknown of its name
-        size = end.value(one.name), end.error(one.name) * math.sqrt(noise)
-    if one.evidence is not None:
-        evidence = one.evidence(end)
-    else:
-        value, error = size
-        fall = (plain.chi_square - end.chi_square) / noise
-        evidence = -math.inf
-        if error > 0.0:
-            evidence, *_ = bayes_factor(value, error, one.prior, fall)
     values = np.array([end.value(key) for key in keys])
     covariance = noise * end.covariance_of(*keys)
+    with suppress(KeyError):  # one without an unknown of its name
+        size = end.value(one.name), end.error(one.name) * math.sqrt(noise)
+    (value, error), evidence = size, -math.inf
+    if error > 0.0 and 0.0 < one.prior.size < math.inf:
+        fall = (plain.chi_square - end.chi_square) / noise
+        evidence, mean, variance = bayes_factor(value, error, one.prior, fall)
+        # the numbers follow the unknown from its estimate to what the prior leaves of it
+        by = noise * end.covariance_of(*keys, one.name)[:-1, -1] / error**2
+        values = values + by * (mean - value)
+        covariance = covariance - np.outer(by, by) * (error**2 - variance)
+    if one.evidence is not None:
+        evidence = one.evidence(end)
     return Model(one.name, one.prior.share, evidence, values, covariance, end, size)
 
 

@@ -46,10 +46,12 @@ def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> 
         if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
             times = {"times": math.sqrt(answer.misfit)}
             yield Finding("rows scatter", times, by_scatter(answer.coefficients, answer.misfit))
-    if common.in_rows:
-        apart = {key: common.closest.value(key) for key in answer.coefficients}
+    if common.in_rows and common.answer is not None:
+        # the rows may be off by all that lies between them and either end
+        ends = common.answer.intervals
         off = {
-            s: abs(p.value / (apart[s] or math.inf) - 1.0) for s, p in answer.coefficients.items()
+            s: max(abs(end / (p.value or math.inf) - 1.0) for end in ends[s])
+            for s, p in answer.coefficients.items()
         }
         yield Finding("rows uncorrected", effect=off)
 
