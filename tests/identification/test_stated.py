@@ -305,11 +305,3 @@ def test_a_light_damping_asks_more_of_the_frequency():
         sizes.append((merit["m_kg"] - osc.m) / merit["m_standard_error_kg"])
     # rms of six normal numbers: above 1.7 once in 400 times
     assert math.sqrt(np.mean(np.square(sizes))) < 1.7
-
-
-def test_the_verdict_on_a_contact_agrees_with_what_is_said_of_it():
-    """K_z and its interval are conditional on the model; the sentence says so, and what another contact would be."""
-    found = identify(measured(noise=0.003, cycles=40.0), PAPER.k)
-    (said,) = (one for one in found.rig if one.code == "contact taken as sudden")
-    assert found.verdicts["K_z"].verdict == "usable"
-    assert said.numbers["by"] > 0.0

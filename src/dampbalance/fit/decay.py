@@ -78,6 +78,7 @@ _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to 
 _FINE = np.arange(-30, 31) * 0.25  # cycles of ringing, a quarter of one from one to the next
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k: the motion of stiffer contacts depends on ρ², so that the slope by ρ vanishes
 _SMALL = 1e-3  # of √(km): damping that counts as none where a climb ends
+_MOST_ROUNDED = 0.95  # of F_k, by which friction may be less at rest: the contact still sticks
 _SLOWEST = 0.01  # of the largest speed: sooner, friction has fallen in all samples but a few
 
 
@@ -233,6 +234,8 @@ class DecayProblem:
             "k_3": (-most["k_3"], most["k_3"], _SMALL * most["k_3"]),
             "falling_speed": (_SLOWEST * v, v, _SMALL * v),
             "fading": (-1.0, 1.0, _SMALL),
+            # less at rest than in motion: by no more than nearly all of it
+            "falling": (-_MOST_ROUNDED * own["F_k"], most["falling"], _SMALL * most["falling"]),
             "w": (0.0, 2.0, 1.0),
         }
         for one, size in zip(self.decays, sizes, strict=True):

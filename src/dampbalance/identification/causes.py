@@ -14,7 +14,7 @@ for those of Dahl, Bouc–Wen and several sliders.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 
 from ..findings.finding import Finding
@@ -26,7 +26,6 @@ from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import WaveformFit
 from ..law.terms import FRICTION
 from ..motion.law_decays import ADDED
-from ..solver import NORMAL_95
 
 TURNS = ("corner", "delay")
 """Departures that turn the phase of the response: away from resonance, damping does so, too."""
@@ -182,26 +181,6 @@ def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     falls = [-changes(one, fit, one.value).get(key, 0.0) for key in fit.law.unknowns]
     near = refit(fit, given={name: one.value / max(1.0, *(fall / 0.9 for fall in falls))})
     return refit(near if near is not None and near.chi_square < fit.chi_square else fit, [name])
-
-
-def condition_on_contact(fit: OscillatorFit, tested: Iterable[Departure]) -> list[Finding]:
-    """Return a finding where K_z depends on the contact yielding at once by more than its interval shows, and the
-    records could not tell one that yields gradually from it; none where they could.
-
-    It is a condition and no doubt, as of all numbers on the gains: K_z and its interval are those of the contact that
-    was asked for, which moves like one that yields gradually and is stiffer after a reversal.   tested : all that was
-    tested.
-    """
-    for one in tested:
-        if one.symbol != GRADUAL or fit.rigid:
-            continue
-        # Dahl's contact is twice as stiff after a reversal as the nearest that yields at once: 1.5 is the roundest
-        most = min(max(one.value, 0.0) + NORMAL_95 * one.error, 1.5)
-        part = changes(one, fit, most).get("K_z", 0.0)
-        # less than 3 % of K_z, or than three of its standard errors, is worth no word
-        if part > max(0.03, 3.0 * fit.K_z_error / fit.K_z):
-            return [Finding("contact taken as sudden", {"by": part})]
-    return []
 
 
 def changes(one: Departure, fit: OscillatorFit, value: float) -> dict[str, float]:
