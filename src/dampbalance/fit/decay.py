@@ -205,8 +205,8 @@ class DecayProblem:
     def parameters(
         self, values: Mapping[str, float], free: Iterable[str] = OSCILLATOR_UNKNOWNS
     ) -> Parameters:
-        """Return the unknowns from values by key or by name, zero without one, and their limits about these: F_k, c,
-        damping that grows with the speed and friction that falls with it are not negative.
+        """Return the unknowns from values by key or by name, zero without one, and their limits about these: F_k, c
+        and damping that grows with the speed are not negative.
 
         free : names of those that a fit moves, of all that decays share. Start states and offsets always move, but for
         the offsets in the band of the mode, which has none, and the preload of a contact that nothing tells.
@@ -222,6 +222,7 @@ class DecayProblem:
         sizes = np.maximum(np.maximum(places, speeds / omega), 1e-300).tolist()
         x = max(sizes)
         v = x * omega
+        weakest = min(own[one.key(FRICTION_FORCE)] for one in self.decays)
         # an earlier climb may have left no friction
         least = _UNNOTICED * k * x
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
@@ -235,7 +236,7 @@ class DecayProblem:
             "falling_speed": (_SLOWEST * v, v, _SMALL * v),
             "fading": (-1.0, 1.0, _SMALL),
             # less at rest than in motion: by no more than nearly all of it
-            "falling": (-_MOST_ROUNDED * own["F_k"], most["falling"], _SMALL * most["falling"]),
+            "falling": (-_MOST_ROUNDED * weakest, most["falling"], _SMALL * most["falling"]),
             "w": (0.0, 2.0, 1.0),
         }
         for one, size in zip(self.decays, sizes, strict=True):
