@@ -40,7 +40,7 @@ FRICTIONS = "frictions"
 
 def departures_of(fit: DecayFit) -> list[Departure]:
     """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
-    be followed. A friction that falls has the speed of `FALLS` at which it explains most."""
+    be followed. A friction that falls with the speed, or grows, has that of `FALLS` at which it explains most."""
     free, top = {*fit.further, SPEED}, fit.problem.speed(fit.point)
     if any(one.of_cycles for one in fit.decays):  # of excerpts each has a friction force
         free.add(FADING)
@@ -48,7 +48,7 @@ def departures_of(fit: DecayFit) -> list[Departure]:
     for part in FALLS[1:] if FALLING in found else ():
         at = fit.parameters.moved(falling_speed=part * top)
         for one in _tested(replace(fit, parameters=at), [FALLING]):
-            found[FALLING] = max(found[FALLING], one, key=lambda of: of.size)
+            found[FALLING] = max(found[FALLING], one, key=lambda of: abs(of.size))
     return [*found.values()]
 
 
