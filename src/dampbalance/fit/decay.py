@@ -333,7 +333,7 @@ class DecayProblem:
         one = self.decays[0]
         t = self.phases(parameters.values, 0, one.end - one.start)[-1, PHASE_T]
         rest = one.end - one.start - float(t)
-        if rest > 0.0:
+        if rest > 0.0 and self.band is None:  # the ringing is in no other
             here = math.sqrt((self.k + parameters["rho"].value ** -2) / m)
             Omega = here + 2.0 * math.pi * _FINE / rest
             fine = m * np.maximum(Omega, 0.0) ** 2 - self.k

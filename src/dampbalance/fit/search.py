@@ -418,7 +418,8 @@ def profiled(fit: DecayFit) -> DecayFit:
 
     χ² has minima and kinks there, and may be flat: its curvature at the lowest point does not show how far one goes.
     """
-    problem, thin, here = fit.problem, fit.problem.thinned(), fit.parameters
+    # over which speed friction falls hardly shows in the motion
+    problem, thin, here = fit.problem, fit.problem.thinned(), fit.parameters.held("falling_speed")
     error = fit.error("rho")
     if not error > 0.0:
         return fit
@@ -431,7 +432,7 @@ def profiled(fit: DecayFit) -> DecayFit:
     along = [problem.fit(end) for end in ends]
     lowest = min(along, key=lambda one: one.chi_square, default=fit)
     if lowest.chi_square < fit.chi_square:
-        best = problem.climb(here.at(lowest.point))
+        best = problem.climb(fit.parameters.at(lowest.point))
         if best is not None and best.chi_square < fit.chi_square:
             fit = best
     inside = [one for one in along if one.chi_square < fit.chi_square + _IN_INTERVAL]
