@@ -70,12 +70,12 @@ PRIORS: Mapping[str, Prior] = {
     # friction
     "friction_level": Prior(0.02, 0.1, "F_k"),
     "friction_speed": Prior(0.02, 0.15, "F_k", positive=True),
-    "falling": Prior(0.03, 0.15, "F_k", positive=True),
-    "fading": Prior(0.07, 0.1, "F_k"),
+    "falling": Prior(0.03, 0.5, "F_k"),
+    "fading": Prior(0.05, 0.15, "F_k"),
     "frictions": Prior(0.1, 0.05, "F_k"),
     # contact
     "gradual": Prior(0.1, 0.5, "contact of Iwan", positive=True),
-    "gradual in decays": Prior(0.4, 0.5, "contact of Iwan", positive=True),
+    "gradual in decays": Prior(0.2, 0.5, "contact of Iwan", positive=True),
     # stepped sine: models that are no extensions of each other, without a size
     "gradual contact": Prior(0.4, math.inf, "none"),
     "none contact": Prior(0.03, math.inf, "none"),
@@ -96,6 +96,7 @@ PRIORS: Mapping[str, Prior] = {
     "k_3": Prior(0.02, 0.02, "k over X²"),
     "pendulum": Prior(0.1, 0.0, "none: the spring of a rotation is gravity"),
     "c_2": Prior(0.02, 0.2, "c over ωX", positive=True),
+    "c_2 in decays": Prior(0.12, 0.3, "c over ωX", positive=True),
     # laws of damping: each term, friction among them
     "law": Prior(0.2, 0.5, "coefficient that takes all of the work", positive=True),
 }

@@ -86,18 +86,15 @@ def forbidden(
     ]
 
 
-def contradiction(
-    check: Answer, answer: Answer, least: float = 4e-7, wider: float = 1.0
-) -> Iterator[Finding]:
+def contradiction(check: Answer, answer: Answer, least: float = 4e-7) -> Iterator[Finding]:
     """Yield a finding where the balance differs from the answer by more than both intervals together.
 
     least : relative difference that counts: by default that of rounding in integrals of exact waveforms.
-    wider : factor of the interval of the balance.
     """
     changes, effect = [], {}
     for symbol, own in check.coefficients.items():
         value, ends = answer.values[symbol], answer.intervals[symbol]
-        halves = wider * own.within * abs(own.value) + 0.5 * (ends.high - ends.low)
+        halves = own.within * abs(own.value) + 0.5 * (ends.high - ends.low)
         if value and abs(own.value - value) > max(halves, least * abs(value)):
             changes.append((symbol, value, own.value - value))
             effect[symbol] = abs(own.value / value - 1.0)
