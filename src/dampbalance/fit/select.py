@@ -191,8 +191,10 @@ class Selection:
         at, weights = self.keys.index(key), np.array(self.weights)
         centres = np.array([one.values[at] for one in self.models])
         errors = np.sqrt(np.array([one.covariance[at, at] for one in self.models]))
-        if not (errors > 0.0).all():
+        if not errors.any():
             return float(self.values[at]), float(self.values[at])
+        # a model without the number says that it is zero
+        errors = np.maximum(errors, 1e-9 * float(errors.max()))
 
         def beyond(x: float, p: float) -> float:
             return float(weights @ special.ndtr((x - centres) / errors)) - p
