@@ -20,9 +20,8 @@ FEWEST_CYCLES = 4
 _SWING = 0.04
 # of X: a motion that comes so near to its middle before the first reversal, or after the last one, has passed it
 _NEAR_MIDDLE = 0.05
-_NEAR_PEAK = (
-    0.01  # of X: the force at a reversal is the mean of that on the last part of the way to it
-)
+# of X: the force at a reversal is the mean of that on the last part of the way to it
+_NEAR_PEAK = 0.01
 _SHARP = 4.0  # standard deviations of noise, from which on a bend of x is a corner
 _AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
 _OF_PERIOD, _CLOSE = 40, 0.01  # part of a period that shows reversals, error of ẋ over its size
@@ -33,8 +32,6 @@ _PERIODIC = 1.5
 _DEGREE, _STANDS_OUT = 24, 3.0
 _RUN, _STANDS_OUT_OF_ALL = 8, 4.5  # samples of a run, and of all runs
 _FEWEST_POINTS, _ROUNDS = 16, 3  # of a mean cycle, and of finding its period
-# harmonics of a mean cycle that stand for it alone, at the most, and standard deviations by which each is no noise
-_FEW, _HARMONIC = 8, 4.0
 _DRAWS = 4  # pairs of drawings of noise
 _CERTAIN = 4.0  # standard errors by which energy is gained
 SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
@@ -136,9 +133,8 @@ def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float,
     of = CubicSpline(np.arange(x.size), x)
     phase = np.arange(points) / points
     turn = np.exp(-2j * math.pi * phase)
-    for _ in range(
-        _ROUNDS
-    ):  # the fundamental of each cycle, about its straight line, lags by the error of the period
+    # the fundamental of each cycle, about its straight line, lags by the error of the period
+    for _ in range(_ROUNDS):
         at = first + period * np.add.outer(number, phase)
         every = of(np.minimum(at, x.size - 1.0))
         lines = np.outer(every[:, -1] - every[:, 0], phase)
@@ -146,12 +142,6 @@ def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float,
         period -= period * float(np.polyfit(number, late, 1)[0]) / (2.0 * math.pi)
     left, other = noise / math.sqrt(count), drawn[:, :points] / math.sqrt(count)
     mean = (every - lines).mean(axis=0)
-    harmonics = np.fft.rfft(mean)
-    few = np.abs(harmonics) > _HARMONIC * left * math.sqrt(0.5 * points)
-    smooth = np.fft.irfft(harmonics * few, points)
-    if few.sum() <= _FEW and _is_noise(mean - smooth, left):
-        mean, other = smooth, np.fft.irfft(np.fft.rfft(other) * few, points)
-        left *= math.sqrt(2.0 * few.sum() / points)
     terms = np.array([mean, np.ones(points), phase])
     cycles = np.linalg.lstsq(terms.T, every.T)[0].T @ terms
     inside = np.arange(first, min(x.size, math.ceil(at[-1, -1])))
@@ -170,39 +160,31 @@ def between_turns(
     velocity, m/s, and what other drawings of its noise would have left in it, (draws, n).
 
     Between two turns it is a polynomial, of Legendre's those that stand out of the noise: of a triangle a line, and of
-    a sine few. Where a polynomial leaves more than noise it is the closest monotone motion, whose velocity comes from
-    parabolas.
+    a sine few. Where a polynomial leaves more than noise it stays as it is, and its velocity comes from parabolas.
 
     noise : standard deviation, m.   step : of time, s.   drawn : other noise, m, (draws, n).
     """
-    from scipy.optimize import isotonic_regression  # slow to import
     from scipy.signal import savgol_filter  # slow to import
 
     turns = np.array([-1, *turns, x.size - 1])
     # samples of a parabola whose slope has an error of 1 % of the mean speed
     way = _CLOSE * float(np.mean(np.abs(np.diff(x[turns[1:]])) / np.diff(turns[1:])))
     window = 1 + 2 * max(1, round(0.5 * (12.0 * (noise / way) ** 2) ** (1.0 / 3.0)))
-    smooth, v, errors = x.copy(), np.gradient(x, step), np.zeros_like(drawn)
-    for i, (before, turn) in enumerate(itertools.pairwise(turns.tolist())):
+    smooth, v, errors = x.copy(), np.gradient(x, step), drawn.copy()
+    for before, turn in itertools.pairwise(turns.tolist()):
         own = slice(before + 1, turn + 1)
-        part, up = x[own], bool(x[turns[1]] > x[0]) ^ bool(i % 2)
+        part = x[own]
         if part.size < window:
             continue
         Q = _polynomials(part.size)
-        sizes = part @ Q
-        Q = Q[:, : 1 + int(np.flatnonzero(np.abs(sizes) > _STANDS_OUT * noise).max(initial=0))]
+        stands_out = np.abs(part @ Q) > _STANDS_OUT * noise
+        Q = Q[:, : 1 + int(np.flatnonzero(stands_out).max(initial=0))]
         model = Q @ (Q.T @ part)
-        fits = _is_noise(part - model, noise)
-        if fits:
-            v[own], errors[:, own] = np.gradient(model, step), drawn[:, own] @ Q @ Q.T
+        if _is_noise(part - model, noise):
+            smooth[own], v[own] = model, np.gradient(model, step)
+            errors[:, own] = drawn[:, own] @ Q @ Q.T
         else:
-            model = part
             v[own] = savgol_filter(part, window, 2, deriv=1, delta=step)
-            errors[:, own] = [
-                isotonic_regression(part + of, increasing=up).x for of in drawn[:, own]
-            ]
-            errors[:, own] -= isotonic_regression(part, increasing=up).x
-        smooth[own] = model if fits else isotonic_regression(model, increasing=up).x
     return smooth, v, errors
 
 
