@@ -28,15 +28,7 @@ from ..project.options import Stated, SteppedSineOptions, with_options
 from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..records.stepped_sine import SteppedRecord, read_lines
-from .answer import (
-    UNKNOWN,
-    Answer,
-    Balance,
-    Interval,
-    ParameterEstimate,
-    averaged,
-    covariance_of,
-)
+from .answer import UNKNOWN, Answer, Balance, Interval, ParameterEstimate, averaged, covariance_of
 from .level import Column, Level
 from .request import read_request
 from .result import Picture, Result
