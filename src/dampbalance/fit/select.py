@@ -88,9 +88,10 @@ PRIORS: Mapping[str, Prior] = {
     "rounded": Prior(0.02, 0.3, "largest speed", positive=True),
     "each": Prior(0.03, 0.1, "F_k, of each record"),
     # forces at steady speeds: laws beyond the line, without a size, too
-    "steady F_S": Prior(0.15, math.inf, "none"),
+    "steady F_S": Prior(0.06, math.inf, "none"),
+    "steady exponential": Prior(0.06, math.inf, "none"),
     "steady v_0": Prior(0.1, math.inf, "none"),
-    "steady c_2": Prior(0.05, math.inf, "none"),
+    "steady c_2": Prior(0.08, math.inf, "none"),
     # spring and damper
     "m": Prior(0.03, 0.1, "k over ω²", positive=True),
     "k_3": Prior(0.02, 0.02, "k over X²"),
@@ -197,8 +198,10 @@ class Selection:
         at, weights = self.keys.index(key), np.array(self.weights)
         centres = np.array([one.values[at] for one in self.models])
         errors = np.sqrt(np.array([one.covariance[at, at] for one in self.models]))
-        if not (errors > 0.0).all():
+        if not errors.any():
             return float(self.values[at]), float(self.values[at])
+        # a model without the number says that it is zero
+        errors = np.maximum(errors, 1e-9 * float(errors.max()))
 
         def beyond(x: float, p: float) -> float:
             return float(weights @ special.ndtr((x - centres) / errors)) - p
