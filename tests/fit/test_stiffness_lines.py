@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -155,12 +156,11 @@ def test_refusals_say_what_to_do():
     fit = fit_contact(table, contact="one slider")
     with pytest.raises(ValueError, match=r"fitted to amplitudes from.*measure there"):
         fit.law(2.0 * np.array(fit.X_range), 200.0)
-    alike = np.abs(table.X / 4e-4 - 1.0) < 0.02
-    with pytest.raises(ValueError, match=r"alike.*add levels"):
-        fit_contact(table[alike], contact="gradual")
-    with pytest.raises(ValueError, match=r"too few.*add lines"):
-        fit_contact(table[np.arange(table.X.size) % 25 == 3], contact="gradual")
     at_one = StiffnessLines(np.full(5, 200.0), table.X[:5], table.Z[:5], table.level[:5], ("a",))
+    with pytest.raises(ValueError, match=r"alike.*add levels"):
+        fit_contact(replace(at_one, X=np.full(5, 4e-4)), contact="gradual")
+    with pytest.raises(ValueError, match=r"too few.*add lines"):
+        fit_contact(at_one, contact="gradual")
     with pytest.raises(ValueError, match="do not separate k, m"):
         fit_contact(at_one, contact="one slider")
     two = StiffnessLines(table.omega, table.X, table.Z, table.level % 2, ("a", "b"))

@@ -26,18 +26,16 @@ from ..law.terms import FRICTION, term
 from ..signals.one_thread import one_thread
 from .fit import Fit
 from .parameters import Parameter, Parameters
-from .select import PRIORS, Candidate, Selection, select
+from .select import PRIORS, Candidate, Selection, noise_of, select
 from .stiffness_lines import Contact, StiffnessLines, StiffnessProblem
 
-_SMOOTHINGS = (
-    0.0,
-    3e-5,
-    3e-4,
-)  # of κ over ln r: separate sliders, and κ that follows the levels less and less
+# of κ over ln r: separate sliders, and κ that follows the levels less and less
+_SMOOTHINGS = 0.0, 3e-5, 3e-4
 _NODES = 80  # sliders of a gradual contact: 7 % from one to the next
 _RECEPTANCES, _LARGEST_RECEPTANCE = 25, 0.6  # values of R that are tried, in 1/|Z|
 _ITERATIONS = 4  # of the errors of the lines
 _FIRST_ERROR = 0.05  # of Z, where the iteration starts
+_HALF_DECADE = 10**0.5
 _ALIKE = 1.05  # of amplitudes: closer ones count as one
 _SINGULAR = 1e-7  # smallest singular value of columns of length one
 _STIFFEST = 1e10  # of |Z|: a contact that stands for a rigid one
@@ -52,10 +50,11 @@ class ContactFit(Fit):
     numbers are those of its parameters, with K_z, ρ = K_z^{−1/2} and F_k of the contact that yields at the amplitudes
     seen.
 
-    evidence : ln E, see above.
+    evidence : ln E, see above.   noise : square of the scale of what it leaves of whole levels, over that of lines.
     """
 
     evidence: float = 0.0
+    noise: float = 1.0
 
     @property
     def terms(self) -> tuple[str, ...]:
@@ -90,11 +89,12 @@ class ContactFit(Fit):
         """Derivatives of the numbers by the unknowns, (p,) each."""
         slopes = dict(zip(self.parameters.keys, np.eye(self.point.size), strict=True))
         if self.problem.contact == "gradual":
-            kappa, r = np.array(self.parameters.names) == "kappa", self.all_sliders.r
-            for name, power in (("K_z", 0), (FRICTION, 1)):
-                slopes[name] = np.zeros(self.point.size)
-                slopes[name][kappa] = r**power * (r < self.X_range[1])
-            slopes["rho"] = -0.5 * self.value("rho") ** 3 * slopes["K_z"]
+            kappa, r = self.problem.kappa, self.all_sliders.r
+            own = np.where(kappa, 1.0, 0.0)
+            own[kappa] = r < self.X_range[1]
+            slopes["K_z"], slopes[FRICTION] = own, own.copy()
+            slopes[FRICTION][kappa] *= r
+            slopes["rho"] = -0.5 * self.value("rho") ** 3 * own
         elif self.problem.contact == "one slider":
             slopes["K_z"] = -2.0 * self.value("rho") ** -3 * slopes["rho"]
         return slopes
@@ -107,12 +107,24 @@ class ContactFit(Fit):
             return super().value(key)
         return self.sliders.K_z**-0.5 if key == "rho" and self.sliders.K_z else 0.0
 
+    @cached_property
+    def hidden(self) -> float:
+        """Standard deviation of the stiffness of sliders that slip below a tenth of the smallest amplitude, where they
+        show neither stiffness nor loss, N/m: half of those in the half decade above, as sliders of uniform density
+        have it."""
+        if self.problem.contact != "gradual":
+            return 0.0
+        near = self.all_sliders.r < _HALF_DECADE * self.problem.nodes[0]
+        return 0.5 * float(self.all_sliders.kappa[near].sum())
+
     def covariance_of(self, *keys: str) -> Array:
         """Return the covariance of some numbers, in their units."""
         nothing = np.zeros(self.point.size)
         by = np.array([self.slopes.get(key, nothing) for key in keys])
         by = by.reshape(len(keys), self.point.size)
-        return np.asarray(by @ self.covariance @ by.T)
+        of_K_z = {"K_z": self.hidden, "rho": -0.5 * self.value("rho") ** 3 * self.hidden}
+        hidden = np.array([of_K_z.get(key, 0.0) for key in keys])
+        return np.asarray(by @ self.covariance @ by.T + np.outer(hidden, hidden))
 
     def interval(self, key: str) -> tuple[float, float]:
         """Return the 95 % interval of a number, in its unit. The upper end of K_z is infinite where lines tell only a
@@ -140,7 +152,7 @@ class ContactFit(Fit):
         ones, level = np.ones((2, X.size)), np.zeros(X.size, dtype=np.intp)
         lines = StiffnessLines(np.broadcast_to(omega, X.shape), X, ones[0] + 0j, level, ("",))
         there = replace(self.problem, lines=lines, sigma=ones)
-        values = np.where(np.isin(self.parameters.names, ("R", "delay")), 0.0, self.point)
+        values = np.where(np.isin(self.parameters.names, "R"), 0.0, self.point)
         by = there.derivatives(values, self.parameters.free).reshape(2, X.size, -1)
         error = np.sqrt(np.einsum("qni,ij,qnj->qn", by, self.covariance, by))
         reach = special.stdtrit(self.freedom, 0.975) * (error[0] + 1j * error[1])
@@ -175,7 +187,7 @@ class ContactFit(Fit):
         return _fit(_estimated(problem, near=True))
 
 
-_OF_CONTACT = (FRICTION, "rho", "kappa", "R", "delay")
+_OF_CONTACT = (FRICTION, "rho", "kappa", "R")
 
 
 @one_thread
@@ -291,7 +303,7 @@ def _starts(problem: StiffnessProblem) -> list[Parameters]:
         tried = np.linspace(-most, most, _RECEPTANCES)
         each = [problem.climbed.moved(R=R) for R in tried.tolist()]
     if problem.contact == "one slider":
-        each = [one.at(problem.with_sliders(one.values)) for one in each]
+        each = [one.at(problem.with_slider(one.values)) for one in each]
     if len(each) == 1:
         return each
     chi_square = [float(np.sum(problem.residual(problem.solve(one.values)) ** 2)) for one in each]
@@ -336,16 +348,19 @@ def _candidate(name: str, fit: ContactFit, plain: ContactFit, prior: str) -> Can
 
 
 def _fit(problem: StiffnessProblem) -> ContactFit:
-    """Return the fit where the unknowns of a problem are."""
-    values = problem.start.values
-    unknowns = problem.unknowns(values)
-    chi_square = float(np.sum(problem.residual(values) ** 2))
+    """Return the fit where the unknowns of a problem are. What a wrong contact leaves is alike in all lines of a level:
+    its levels are then the values that are independent."""
+    values, level = problem.start.values, problem.lines.level
+    left, unknowns = problem.residual(values), problem.unknowns(values)
+    of_levels = np.array([np.bincount(level, part) for part in left.reshape(2, -1)])
+    noise = noise_of(float(np.sum(of_levels**2 / np.bincount(level))), of_levels.size)
+    chi_square = float(left @ left)
     evidence = -float(np.sum(np.log(problem.sigma))) - 0.5 * chi_square
     evidence -= 0.5 * unknowns * math.log(problem.samples)
     freedom = max(problem.samples - unknowns, 1.0)
-    return ContactFit(
-        problem.start, problem.covariance(values), chi_square, freedom, problem, evidence=evidence
-    )
+    covariance = noise * problem.covariance(values)
+    own = (problem.start, covariance, chi_square, freedom, problem)
+    return ContactFit(*own, evidence=evidence, noise=noise)
 
 
 @dataclass(frozen=True, eq=False)

@@ -78,6 +78,7 @@ _SCAN = np.geomspace(0.5, 1e5, 45)  # K_z/k, from a contact that hardly acts to 
 _FINE = np.arange(-30, 31) * 0.25  # cycles of ringing, a quarter of one from one to the next
 _CHORD = 3e-2  # of ρ√k, K_z = 1100 k: the motion of stiffer contacts depends on ρ², so that the slope by ρ vanishes
 _SMALL = 1e-3  # of √(km): damping that counts as none where a climb ends
+_MOST_ROUNDED = 0.95  # of F_k, by which friction may be less at rest: the contact still sticks
 _SLOWEST = 0.01  # of the largest speed: sooner, friction has fallen in all samples but a few
 
 
@@ -204,8 +205,8 @@ class DecayProblem:
     def parameters(
         self, values: Mapping[str, float], free: Iterable[str] = OSCILLATOR_UNKNOWNS
     ) -> Parameters:
-        """Return the unknowns from values by key or by name, zero without one, and their limits about these: F_k, c,
-        damping that grows with the speed and friction that falls with it are not negative.
+        """Return the unknowns from values by key or by name, zero without one, and their limits about these: F_k, c
+        and damping that grows with the speed are not negative.
 
         free : names of those that a fit moves, of all that decays share. Start states and offsets always move, but for
         the offsets in the band of the mode, which has none, and the preload of a contact that nothing tells.
@@ -221,6 +222,7 @@ class DecayProblem:
         sizes = np.maximum(np.maximum(places, speeds / omega), 1e-300).tolist()
         x = max(sizes)
         v = x * omega
+        weakest = min(own[one.key(FRICTION_FORCE)] for one in self.decays)
         # an earlier climb may have left no friction
         least = _UNNOTICED * k * x
         # as much as a critical damper, or the spring itself: no motion that oscillates has more
@@ -233,6 +235,8 @@ class DecayProblem:
             "k_3": (-most["k_3"], most["k_3"], _SMALL * most["k_3"]),
             "falling_speed": (_SLOWEST * v, v, _SMALL * v),
             "fading": (-1.0, 1.0, _SMALL),
+            # less at rest than in motion: by no more than nearly all of it
+            "falling": (-_MOST_ROUNDED * weakest, most["falling"], _SMALL * most["falling"]),
             "w": (0.0, 2.0, 1.0),
         }
         for one, size in zip(self.decays, sizes, strict=True):
@@ -329,7 +333,7 @@ class DecayProblem:
         one = self.decays[0]
         t = self.phases(parameters.values, 0, one.end - one.start)[-1, PHASE_T]
         rest = one.end - one.start - float(t)
-        if rest > 0.0:
+        if rest > 0.0 and self.band is None:  # the ringing is in no other
             here = math.sqrt((self.k + parameters["rho"].value ** -2) / m)
             Omega = here + 2.0 * math.pi * _FINE / rest
             fine = m * np.maximum(Omega, 0.0) ** 2 - self.k

@@ -25,6 +25,7 @@ from .decay import (
     with_noise_of,
 )
 from .fit import OscillatorFit
+from .multistart import climbs
 from .parameters import Parameters
 from .score import Departure, departures_from
 from .select import PRIORS, REFITTED, Candidate, Prior, Selection, bayes_factor, select
@@ -39,7 +40,7 @@ FRICTIONS = "frictions"
 
 def departures_of(fit: DecayFit) -> list[Departure]:
     """Test what each of `FURTHER` that is not free would explain in the band of the fit; empty where the motion cannot
-    be followed. A friction that falls has the speed of `FALLS` at which it explains most."""
+    be followed. A friction that falls with the speed, or grows, has that of `FALLS` at which it explains most."""
     free, top = {*fit.further, SPEED}, fit.problem.speed(fit.point)
     if any(one.of_cycles for one in fit.decays):  # of excerpts each has a friction force
         free.add(FADING)
@@ -47,7 +48,7 @@ def departures_of(fit: DecayFit) -> list[Departure]:
     for part in FALLS[1:] if FALLING in found else ():
         at = fit.parameters.moved(falling_speed=part * top)
         for one in _tested(replace(fit, parameters=at), [FALLING]):
-            found[FALLING] = max(found[FALLING], one, key=lambda of: of.size)
+            found[FALLING] = max(found[FALLING], one, key=lambda of: abs(of.size))
     return [*found.values()]
 
 
@@ -102,7 +103,7 @@ def candidates(fit: DecayFit, near: DecayFit) -> list[Candidate]:
     sizes = sizes_in(fit)
     found = []
     for one in (_in_noise(one, fit) for one in departures_of(fit)):
-        prior = PRIORS["gradual in decays" if one.symbol == GRADUAL else one.symbol]
+        prior = PRIORS.get(f"{one.symbol} in decays") or PRIORS[one.symbol]
         prior = prior._replace(size=prior.size * sizes[one.symbol])
         # what shows by itself is fitted, whatever explains more: far from a model the first order does not compare
         shows = bayes_factor(one.value, one.error, prior)[0] > -math.log(REFITTED)
@@ -181,12 +182,15 @@ def _fitted(fit: DecayFit, name: str, near: DecayFit) -> DecayFit | None:
     if name == FALLING:
         top = problem.speed(fit.point)
         starts = [starts[0].moved(falling_speed=part * top) for part in FALLS]
+        # a force that is rounded in speed is far from one that is not
+        starts += [start.moved(falling=-0.5 * fit.F_k) for start in starts[:1]]
     if name in near.further:
         starts.append(_without(near, fit, name, SPEED))
-    best = _lowest(map(problem.climb, starts))
-    if name == FALLING and best is not None:
-        return _lowest([best.problem.climb(best.parameters.freed(SPEED))]) or best
-    return best
+    if len(starts) > 1:
+        starts = [one.parameters for one in climbs(problem.thinned(), starts)[:1]]
+    if name == FALLING:
+        starts = [one.freed(SPEED) for one in starts]
+    return _lowest(map(problem.climb, starts))
 
 
 def _evidence(plain: DecayFit, name: str, prior: Prior, end: DecayFit) -> float:

@@ -1,16 +1,17 @@
 """The mean force of friction at steady speeds, and its fit:
 
-    T = F_k tanh(v/v_0) + F_S e^{−(v/v_S)²} sgn v + c v + c_2 v|v| + T_0
+    T = F_k tanh(v/v_0) + F_S e^{−|v/v_S|^δ} sgn v + c v + c_2 v|v| + T_0
 
-with the Coulomb friction F_k, the viscous damping c and an offset T_0 (of the sensor, or gravity). Three departures are
-weighed by their evidence (`select.py`): a friction that falls with the speed by F_S over v_S (Stribeck), one that is
-rounded at rest over v_0, else tanh(v/v_0) = sgn v, and a quadratic damper. No mass moves and no spring is deflected:
-the mean is that of the law alone. The scatter about the best law gives the errors. With χ² of n rows by the line and by
-a law of q further unknowns, and ν degrees of freedom of the line, the Bayes factor of that law is
+with the Coulomb friction F_k, the viscous damping c and an offset T_0 (of the sensor, or gravity). Departures are
+weighed by their evidence (`select.py`): a friction that falls with the speed by F_S over v_S (Stribeck), δ = 2 or 1,
+one that is rounded at rest over v_0, else tanh(v/v_0) = sgn v, and a quadratic damper. No mass moves and no spring is
+deflected: the mean is that of the law alone. The scatter about the best law gives the errors. With χ² of n rows by the
+line and by a law, and ν degrees of freedom of the line, the Bayes factor of that law is
 
-    B = (1 + n)^{(ν − q)/2} (1 + n χ²/χ_0²)^{−ν/2}
+    B = (1 + n)^{(ν − 1)/2} (1 + n χ²/χ_0²)^{−ν/2}
 
-(Zellner's prior with the information of one row; Liang, Paulo, Molina, Clyde & Berger, J. Am. Stat. Assoc. 103, 2008).
+(Zellner's prior with the information of one row; Liang, Paulo, Molina, Clyde & Berger, J. Am. Stat. Assoc. 103, 2008):
+the size of a departure counts, and not where it lies, which a small one leaves open.
 """
 
 from __future__ import annotations
@@ -29,11 +30,13 @@ from .multistart import Trail, climb_on
 from .parameters import Parameter, Parameters
 from .select import PRIORS, Candidate, Selection, select
 
-DEPARTURES = {"F_S": ("F_S", "v_S"), "v_0": ("v_0",), "c_2": ("c_2",)}
-"""Departures from the line by their first unknown, with all of their unknowns."""
+_FALL = "F_S", "v_S"
+DEPARTURES = {"F_S": _FALL, "exponential": _FALL, "v_0": ("v_0",), "c_2": ("c_2",)}
+"""Departures from the line with their unknowns."""
 
 _SPEEDS = 7  # v_S and v_0 from which climbs start
 _SHARP = 0.2  # v_0 over the smallest speed: a smaller one does not show
+_FALLEN = 0.33  # v_S over the largest speed, at which an exponential has fallen to 5 %
 _FEWEST = 5  # sizes of speeds that may show a departure
 _EXACT = 1e-9  # of the range of the force: a scatter below is rounding
 _ONE_SPEED = 1e-3  # relative: sizes of speeds that differ by less are one
@@ -84,6 +87,7 @@ class SteadySpeeds(NamedTuple):
             Parameter("v_S", high, low=low, high=high, free=False, scale=high),
             Parameter("c_2", 0.0, free=False, scale=scale / high**2),
             Parameter("v_0", 0.0, high=high, free=False, scale=high),
+            Parameter("delta", 2.0, free=False),
         ]
         return Parameters.of(some).freed(*further)
 
@@ -97,15 +101,20 @@ class SteadySpeeds(NamedTuple):
 
     def law_with(self, departure: str) -> SpeedFit:
         """Return the best fit of the law with a departure."""
-        blank, speed = self.start(*DEPARTURES[departure]), DEPARTURES[departure][-1]
+        unknowns = DEPARTURES[departure]
+        blank, speed = self.start(*unknowns), unknowns[-1]
         if departure == "c_2":
             return self.fit(blank)
-        low, high = max(blank[speed].low, _SHARP * float(self.sizes[0])), blank[speed].high
-        blank = replace(blank, low=np.where(np.array(blank.names) == speed, low, blank.low))
-        tried = np.geomspace(max(low, float(self.sizes[0])), high, _SPEEDS).tolist()
-        return min(
-            (self.fit(blank.moved(**{speed: at})) for at in tried), key=lambda fit: fit.chi_square
+        own, (low, high) = np.array(blank.names) == speed, (blank[speed].low, blank[speed].high)
+        low = max(low, _SHARP * float(self.sizes[0]))
+        if departure == "exponential":  # slower ones are a part of c
+            high, blank = max(low, _FALLEN * high), blank.moved(delta=1.0)
+        blank = replace(
+            blank, low=np.where(own, low, blank.low), high=np.where(own, high, blank.high)
         )
+        tried = np.geomspace(max(low, float(self.sizes[0])), high, _SPEEDS).tolist()
+        ends = [self.fit(blank.moved(**{speed: at})) for at in tried]
+        return min(ends, key=lambda fit: fit.chi_square)
 
 
 class SpeedFit(Fit):
@@ -127,18 +136,18 @@ class SpeedFit(Fit):
 
 
 def law(values: Array, v: Array) -> tuple[Array, Array]:
-    """Return the force at some speeds, N, (n,), and its derivatives, (n, 7).
+    """Return the force at some speeds, N, (n,), and its derivatives, (n, 8).
 
-    values : F_k, c, T_0, F_S, v_S, c_2, v_0.   v : m/s, (n,).
+    values : F_k, c, T_0, F_S, v_S, c_2, v_0, δ.   v : m/s, (n,).
     """
-    F_k, c, T_0, F_S, v_S, c_2, v_0 = values
-    ratio, way = (v / v_S) ** 2, np.sign(v)
+    F_k, c, T_0, F_S, v_S, c_2, v_0, delta = values
+    ratio, way, nothing = np.abs(v / v_S) ** delta, np.sign(v), np.zeros(v.size)
     fallen = way * np.exp(-ratio)
     rounded = np.tanh(v / v_0) if v_0 > 0.0 else way
-    of_v_0 = -F_k * v / v_0**2 * (1.0 - rounded**2) if v_0 > 0.0 else np.zeros(v.size)
+    of_v_0 = -F_k * v / v_0**2 * (1.0 - rounded**2) if v_0 > 0.0 else nothing
     force = F_k * rounded + c * v + T_0 + F_S * fallen + c_2 * v * np.abs(v)
-    columns = [rounded, v, np.ones(v.size), fallen, 2.0 * F_S / v_S * ratio * fallen]
-    return force, np.column_stack([*columns, v * np.abs(v), of_v_0])
+    columns = [rounded, v, np.ones(v.size), fallen, delta * F_S / v_S * ratio * fallen]
+    return force, np.column_stack([*columns, v * np.abs(v), of_v_0, nothing])
 
 
 def fit_speeds(data: SteadySpeeds) -> Selection:
@@ -164,8 +173,7 @@ def fit_speeds(data: SteadySpeeds) -> Selection:
 
     def evidence(fit: SpeedFit) -> float:
         share = (fit.chi_square + least / noise) / (line.chi_square + least / noise)
-        gained = (fit.freedom * math.log1p(n), line.freedom * math.log1p(n * share))
-        return 0.5 * (gained[0] - gained[1])
+        return 0.5 * ((line.freedom - 1.0) * math.log1p(n) - line.freedom * math.log1p(n * share))
 
     candidates = [
         Candidate(name, PRIORS[f"steady {name}"], partial(replace, fit), evidence=evidence)

@@ -418,7 +418,8 @@ def profiled(fit: DecayFit) -> DecayFit:
 
     χ² has minima and kinks there, and may be flat: its curvature at the lowest point does not show how far one goes.
     """
-    problem, thin, here = fit.problem, fit.problem.thinned(), fit.parameters
+    # over which speed friction falls hardly shows in the motion
+    problem, thin, here = fit.problem, fit.problem.thinned(), fit.parameters.held("falling_speed")
     error = fit.error("rho")
     if not error > 0.0:
         return fit
@@ -431,7 +432,7 @@ def profiled(fit: DecayFit) -> DecayFit:
     along = [problem.fit(end) for end in ends]
     lowest = min(along, key=lambda one: one.chi_square, default=fit)
     if lowest.chi_square < fit.chi_square:
-        best = problem.climb(here.at(lowest.point))
+        best = problem.climb(fit.parameters.at(lowest.point))
         if best is not None and best.chi_square < fit.chi_square:
             fit = best
     inside = [one for one in along if one.chi_square < fit.chi_square + _IN_INTERVAL]
@@ -461,38 +462,28 @@ def slips_of(fit: DecayFit) -> int:
 def fit_all(fits: Sequence[DecayFit]) -> tuple[DecayFit | None, list[Decay]]:
     """Return one oscillator for the decays with these separate fits, and what is no decay at all.
 
-    The decays share c, K_z and m, and F_k unless forces of their own are likelier by more than chance. A hand that
-    moves the mass from one place to another can look like half a cycle of another oscillator: what slips in a few half
-    cycles only is left out where no friction force whatever makes it a motion of the oscillator of the others.
+    The decays share c, K_z and m; whether they share F_k is to be weighed. A hand that moves the mass from one place to
+    another can look like half a cycle of another oscillator: what slips in a few half cycles only is left out where no
+    friction force whatever makes it a motion of the oscillator of the others.
     """
     if len(fits) == 1:
         return fits[0], []
     if len({fit.white for fit in fits}) > 1:
         fits = [one for fit in fits if (one := in_the_band(fit) if fit.white else fit) is not None]
-    whole = _of_all(fits)
+    whole = _fitted_together(fits)
     if whole is None or _same(whole, fits):
         return whole, []
     order = sorted(fits, key=lambda fit: (-slips_of(fit), -fit.problem.samples))
     kept = [fit for fit in order if slips_of(fit) > _MOST_HALF_CYCLES] or order[:1]
-    here = _of_all(kept)
+    here = _fitted_together(kept)
     for fit in order[len(kept) :]:
-        more = _of_all([*kept, fit])
+        more = _fitted_together([*kept, fit])
         if here is None or (more is not None and _same(more, [here, fit])):
             kept, here = [*kept, fit], more
     left_out = [fit.decays[0] for fit in fits if fit not in kept]
     if left_out:
-        whole = _of_all([fit for fit in fits if fit in kept])
+        whole = _fitted_together([fit for fit in fits if fit in kept])
     return whole, left_out
-
-
-def _of_all(fits: Sequence[DecayFit]) -> DecayFit | None:
-    """Return the fit of all decays, with a friction force for each where they do not share one."""
-    if len(fits) == 1:
-        return fits[0]
-    whole = _fitted_together(fits, own_frictions=False)
-    if whole is None or _same(whole, fits):
-        return whole
-    return _fitted_together(fits, own_frictions=True) or whole
 
 
 def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:
@@ -504,12 +495,13 @@ def _same(whole: DecayFit, parts: Sequence[DecayFit]) -> bool:
     return bool(fewer <= 0 or special.chdtrc(fewer, max(excess, 0.0) / noise) > P_OF_THE_MODEL)
 
 
-def _fitted_together(fits: Sequence[DecayFit], *, own_frictions: bool) -> DecayFit | None:
-    """Return the fit of all decays, with one friction force or one for each: from the minima of each in turn."""
+def _fitted_together(fits: Sequence[DecayFit]) -> DecayFit | None:
+    """Return the fit of all decays, with a friction force for each: from the minima of each in turn."""
+    if len(fits) == 1:
+        return fits[0]
     decays, known = list[Decay](), dict[str, float]()
     for fit in fits:
-        group = fit.decays[0].label if own_frictions else ""
-        decays += [replace(one, friction=group) for one in fit.decays]
+        decays += [replace(one, friction=fit.decays[0].label) for one in fit.decays]
         known |= fit.parameters.by_key | {decays[-1].key("F_k"): fit.F_k}
     band = next((fit.problem.band for fit in fits if fit.problem.band is not None), None)
     problem = replace(fits[0].problem, decays=tuple(decays), band=band)

@@ -63,19 +63,19 @@ class Prior(NamedTuple):
 
 PRIORS: Mapping[str, Prior] = {
     # channels
-    "delay": Prior(0.015, 2.0, "sample interval"),
-    "gain": Prior(0.02, 0.02, "gain"),
+    "delay": Prior(0.01, 2.0, "sample interval"),
+    "gain": Prior(0.01, 0.02, "gain"),
     "corner": Prior(0.01, 0.03, "frequency of the slowest record", positive=True),
     "frame": Prior(0.005, 1.0, "none: the response is relative or absolute"),
     # friction
     "friction_level": Prior(0.02, 0.1, "F_k"),
     "friction_speed": Prior(0.02, 0.15, "F_k", positive=True),
-    "falling": Prior(0.03, 0.15, "F_k", positive=True),
-    "fading": Prior(0.07, 0.1, "F_k"),
+    "falling": Prior(0.03, 0.5, "F_k"),
+    "fading": Prior(0.05, 0.15, "F_k"),
     "frictions": Prior(0.1, 0.05, "F_k"),
     # contact
     "gradual": Prior(0.1, 0.5, "contact of Iwan", positive=True),
-    "gradual in decays": Prior(0.4, 0.5, "contact of Iwan", positive=True),
+    "gradual in decays": Prior(0.2, 0.5, "contact of Iwan", positive=True),
     # stepped sine: models that are no extensions of each other, without a size
     "gradual contact": Prior(0.4, math.inf, "none"),
     "none contact": Prior(0.03, math.inf, "none"),
@@ -88,14 +88,16 @@ PRIORS: Mapping[str, Prior] = {
     "rounded": Prior(0.02, 0.3, "largest speed", positive=True),
     "each": Prior(0.03, 0.1, "F_k, of each record"),
     # forces at steady speeds: laws beyond the line, without a size, too
-    "steady F_S": Prior(0.15, math.inf, "none"),
+    "steady F_S": Prior(0.06, math.inf, "none"),
+    "steady exponential": Prior(0.06, math.inf, "none"),
     "steady v_0": Prior(0.1, math.inf, "none"),
-    "steady c_2": Prior(0.05, math.inf, "none"),
+    "steady c_2": Prior(0.08, math.inf, "none"),
     # spring and damper
     "m": Prior(0.03, 0.1, "k over ω²", positive=True),
     "k_3": Prior(0.02, 0.02, "k over X²"),
     "pendulum": Prior(0.1, 0.0, "none: the spring of a rotation is gravity"),
     "c_2": Prior(0.02, 0.2, "c over ωX", positive=True),
+    "c_2 in decays": Prior(0.12, 0.3, "c over ωX", positive=True),
     # laws of damping: each term, friction among them
     "law": Prior(0.2, 0.5, "coefficient that takes all of the work", positive=True),
 }
@@ -173,6 +175,11 @@ class Selection:
         own = [w for model, w in zip(self.models, self.weights, strict=True) if model.name == name]
         return 1.0 if name in self.departures else math.fsum(own)
 
+    def speaks_for(self, name: str) -> bool:
+        """Return whether the records speak for a model by a factor of e, which then has a weight above `REFITTED`."""
+        evident = any(one.evidence > 1.0 for one in self.models if one.name == name)
+        return evident and self.weight(name) > REFITTED
+
     @property
     def values(self) -> Array:
         """The numbers, means over all models, (p,)."""
@@ -191,8 +198,10 @@ class Selection:
         at, weights = self.keys.index(key), np.array(self.weights)
         centres = np.array([one.values[at] for one in self.models])
         errors = np.sqrt(np.array([one.covariance[at, at] for one in self.models]))
-        if not (errors > 0.0).all():
+        if not errors.any():
             return float(self.values[at]), float(self.values[at])
+        # a model without the number says that it is zero
+        errors = np.maximum(errors, 1e-9 * float(errors.max()))
 
         def beyond(x: float, p: float) -> float:
             return float(weights @ special.ndtr((x - centres) / errors)) - p
@@ -208,12 +217,14 @@ class Selection:
         return low, high
 
     def moved_by(self, name: str) -> dict[str, float]:
-        """Return the relative change of each number that comes with the share of a model, w_j Δ_j."""
+        """Return the change of each number that comes with the share of a model, w_j Δ_j, relative to the number or,
+        where that is larger, to its error."""
         at = next(i for i, model in enumerate(self.models) if model.name == name)
-        plain = self.models[0].values
-        by = self.weights[at] * (self.models[at].values - plain)
-        pairs = zip(self.keys, by.tolist(), plain.tolist(), strict=True)
-        return {key: part / value for key, part, value in pairs if value}
+        plain = self.models[0]
+        sizes = np.maximum(np.abs(plain.values), np.sqrt(np.diag(plain.covariance)))
+        by = self.weights[at] * (self.models[at].values - plain.values)
+        pairs = zip(self.keys, by.tolist(), sizes.tolist(), strict=True)
+        return {key: part / size for key, part, size in pairs if size}
 
 
 def select(
@@ -252,7 +263,7 @@ def select(
         asked = [
             one
             for one in known
-            if found.weight(one.name) > REFITTED and one.name not in fits and one.name not in failed
+            if found.speaks_for(one.name) and one.name not in fits and one.name not in failed
         ]
         if not asked:
             break
@@ -371,18 +382,20 @@ def _weighed(
 def _fitted(one: Candidate, plain: Any, end: Any, keys: tuple[str, ...], noise: float) -> Model:
     """Return a candidate that is fitted."""
     size = (0.0, 0.0)
-    with suppress(KeyError):  # one without an unknown of its name
-        size = end.value(one.name), end.error(one.name) * math.sqrt(noise)
-    if one.evidence is not None:
-        evidence = one.evidence(end)
-    else:
-        value, error = size
-        fall = (plain.chi_square - end.chi_square) / noise
-        evidence = -math.inf
-        if error > 0.0:
-            evidence, *_ = bayes_factor(value, error, one.prior, fall)
     values = np.array([end.value(key) for key in keys])
     covariance = noise * end.covariance_of(*keys)
+    with suppress(KeyError):  # one without an unknown of its name
+        size = end.value(one.name), end.error(one.name) * math.sqrt(noise)
+    (value, error), evidence = size, -math.inf
+    if error > 0.0 and 0.0 < one.prior.size < math.inf:
+        fall = (plain.chi_square - end.chi_square) / noise
+        evidence, mean, variance = bayes_factor(value, error, one.prior, fall)
+        # the numbers follow the unknown from its estimate to what the prior leaves of it
+        by = noise * end.covariance_of(*keys, one.name)[:-1, -1] / error**2
+        values = values + by * (mean - value)
+        covariance = covariance - np.outer(by, by) * (error**2 - variance)
+    if one.evidence is not None:
+        evidence = one.evidence(end)
     return Model(one.name, one.prior.share, evidence, values, covariance, end, size)
 
 

@@ -8,23 +8,23 @@ stepped sine or of the fundamental of a forced record, F = kY:
 
 with the integrals g_p of the terms (`law/terms.py`) and the describing function D of a contact (`law/contact.py`). The
 imaginary part is the energy balance πX² Im Z = πFX sin φ, Eq. (14) of Liang & Feeny (2010), the real part the in-phase
-row, which a contact lowers with the amplitude. Channels read it otherwise: a delay τ of the response turns it, and
-where the driven point moves with other modes, too, their residual receptance R changes it:
+row, which a contact lowers with the amplitude. Where the driven point moves with other modes, too, their residual
+receptance R changes it:
 
-    1/Z_measured = e^{−iωτ}/Z + R,    X = X_measured |1 − R Z_measured|
+    1/Z_measured = 1/Z + R,    X = X_measured |1 − R Z_measured|
 
 Unknowns that are linear and not negative are solved for at each step of a climb in the others: F_k and ρ = K_z^{−1/2}
-of one slider, k_3 where a spring may soften, τ and R. A gradual contact has sliders at many r, close to each other,
-none of them negative, and κ is as smooth over ln r as it is asked to be.
+of one slider, and R. A gradual contact has sliders at many r, close to each other, none of them negative, and κ is as
+smooth over ln r as it is asked to be.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, NamedTuple, Self
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from scipy import optimize
@@ -41,14 +41,13 @@ _LINEAR = {"k", "m", "k_3", *KNOWN_TERMS} - {FRICTION}  # unknowns
 
 # Differences of κ r^{−1/2} are penalised: κ of bolted joints grows with a power of r between 0.2 and 1.2.
 _GROWTH = 0.5
-_TRIED, _RIGID = (
-    60,
-    1e-3,
-)  # r of one slider to start from, and the smallest, of the smallest amplitude
+# r of one slider to start from, and the smallest, of the smallest amplitude
+_TRIED, _RIGID = 60, 1e-3
 # κ of a slider that is not found, of K_z, at the smallest amplitude: as large as keeps intervals of 95 % true for
 # contacts of 2 to 30 sliders
 _HIDDEN = 0.01
 _SOFTEST = 1e-9  # of |Z|: a contact that is none
+_LEAST = 1e-300  # size of a column that is zero
 _STEP = 1e-4  # of an unknown, for central differences of a closed form: errors of 1e-8
 _MULTIPLIED, _FLOOR = 60, 1e-9  # of the scatter: updates; least, of |Z|, of lines without noise
 
@@ -69,23 +68,13 @@ class StiffnessLines:
     names: tuple[str, ...]
     error: Array | None = None
 
-    def __getitem__(self, kept: Mask) -> StiffnessLines:
-        """Some of the lines."""
-        parts = {
-            name: values[kept]
-            for name in ("omega", "X", "Z", "level", "error")
-            if (values := getattr(self, name)) is not None
-        }
-        return replace(self, **parts)
-
-    def of_mode(self, R: float = 0.0, delay: float = 0.0) -> StiffnessLines:
-        """Return the lines without the residual receptance R, m/N, of the other modes, and a delay, s."""
+    def of_mode(self, R: float) -> StiffnessLines:
+        """Return the lines without the residual receptance R, m/N, of the other modes."""
         ratio = 1.0 - R * self.Z
-        turned = self.Z * np.exp(-1j * self.omega * delay)
-        return replace(self, X=self.X * np.abs(ratio), Z=turned / ratio)
+        return replace(self, X=self.X * np.abs(ratio), Z=self.Z / ratio)
 
 
-def stiffness_part(name: str, lines: StiffnessLines, k: float) -> Complexes:
+def _part(name: str, lines: StiffnessLines, k: float) -> Complexes:
     """Return the part of Z by a linear unknown of unit size, N/m, (n,)."""
     omega, X = lines.omega, lines.X
     if name in KNOWN_TERMS:
@@ -108,24 +97,28 @@ class Misfit(NamedTuple):
     score: float
 
 
-def _nnls(A: Array, y: Array) -> Array:
-    """Return coefficients ≥ 0 of least squares."""
-    if not A.shape[1]:  # SciPy's ends the process
-        return np.empty(0)
-    size = np.linalg.norm(A, axis=0)
-    size[size == 0.0] = 1.0
-    return np.asarray(optimize.nnls(A / size, y, maxiter=100 * A.shape[1])[0] / size)
+def _nonnegative(A: Array, y: Array) -> Array:
+    """Return coefficients of least squares that are not negative."""
+    size = np.maximum(np.linalg.norm(A, axis=0), _LEAST)
+    # SciPy's ends the process without columns
+    found = optimize.nnls(A / size, y, maxiter=100 * size.size)[0] if size.size else size
+    return np.asarray(found / size)
+
+
+def _inverse(J: Array) -> Array:
+    """Return the pseudo-inverse of J, whose columns differ in size."""
+    size = np.maximum(np.linalg.norm(J, axis=0), _LEAST)
+    return np.asarray(np.linalg.pinv(J / size) / size[:, None])
 
 
 @dataclass(frozen=True, eq=False)
 class StiffnessProblem:
     """Residuals (model − data)/σ of the real, then of the imaginary parts of lines, as functions of the unknowns.
 
-    lines : as measured.   start : the unknowns: k, m, k_3, terms, F_k and rho or kappa, delay and R, those that there
-    are.   contact : of the model.   sigma : standard errors of the parts of each measured Z, N/m, (2, n).
-    k : of the spring, N/m, for what it drives, and for the stiffness itself where that is no unknown.
-    of : lines to which an unknown of a group belongs.   nodes : r at which κ of a gradual contact is an unknown, m.
-    smoothing : weight of the second derivative of κ.   added : to the Z of the model, N/m, (n,).
+    lines : as measured.   start : the unknowns: k, m, k_3, terms, F_k and rho or kappa, and R, those that there are.
+    contact : of the model.   sigma : standard errors of the parts of each measured Z, N/m, (2, n).   k : of the spring
+    to a base that drives, N/m.   nodes : r at which κ of a gradual contact is an unknown, m.   smoothing : weight of
+    the second derivative of κ.
     """
 
     lines: StiffnessLines
@@ -133,17 +126,8 @@ class StiffnessProblem:
     contact: Contact
     sigma: Array
     k: float
-    of: Mapping[str, Mask] = field(default_factory=dict)
     nodes: Array = field(default_factory=lambda: np.empty(0))
     smoothing: float = 0.0
-    added: Complexes | float = 0.0
-
-    def __getitem__(self, kept: Mask) -> Self:
-        """The problem of some of the lines."""
-        of = {key: mask[kept] for key, mask in self.of.items()}
-        added = self.added if isinstance(self.added, float) else self.added[kept]
-        lines, sigma = self.lines[kept], self.sigma[:, kept]
-        return replace(self, lines=lines, sigma=sigma, of=of, added=added)
 
     @property
     def samples(self) -> int:
@@ -162,31 +146,26 @@ class StiffnessProblem:
         """The unknowns, with those free that are not solved for."""
         return replace(self.start, free=self.start.free & ~self.solved)
 
-    def _places(self, name: str) -> list[int]:
-        return [i for i, own in enumerate(self.start.names) if own == name]
-
     # --- the contact --------------------------------------------------------------------------
+
+    @cached_property
+    def kappa(self) -> Mask:
+        """Which unknowns are κ of a gradual contact, (p,)."""
+        return np.array(self.start.names) == "kappa"
 
     @cached_property
     def r(self) -> Array:
         """Deflections at which the sliders of a gradual contact slip, m, and that of one that no line moves where the
         last κ is its own."""
-        return np.append(self.nodes, [self.lines.X.max()] * self._stuck)
-
-    @property
-    def _stuck(self) -> int:
-        """Number of unknown sliders that no line moves."""
-        return len(self._places("kappa")) - self.nodes.size
+        stuck = int(np.count_nonzero(self.kappa)) - self.nodes.size
+        return np.append(self.nodes, [self.lines.X.max()] * stuck)
 
     def sliders(self, values: Array) -> Sliders:
-        """Return the sliders of the contact; of one, the mean over its groups."""
-        if self.contact == "gradual":
-            return Sliders(self.r, values[self._places("kappa")])
-        if self.contact == "none":
-            return Sliders(np.empty(0), np.empty(0))
-        F_k = float(np.mean(values[self._places(FRICTION)]))
-        kappa = values[self.start.places["rho"]] ** -2 * bool(F_k > 0.0)
-        return Sliders(np.array([F_k / kappa if kappa else math.inf]), np.array([kappa]))
+        """Return the sliders of the contact."""
+        if self.contact != "one slider":
+            return Sliders(self.r, values[self.kappa])
+        F_k, rho = self._value(values, FRICTION), self._value(values, "rho")
+        return Sliders(np.array([F_k * rho**2 or math.inf]), np.array([rho**-2 * (F_k > 0.0)]))
 
     # --- the model ----------------------------------------------------------------------------
 
@@ -194,46 +173,39 @@ class StiffnessProblem:
         return float(values[self.start.places[name]]) if name in self.start else 0.0
 
     def mode(self, values: Array) -> StiffnessLines:
-        """Return the lines as the mode has them, without what the channels do."""
-        R, delay = self._value(values, "R"), self._value(values, "delay")
-        return self.lines.of_mode(R, delay) if R or delay else self.lines
+        """Return the lines as the mode has them, without the other modes."""
+        R = self._value(values, "R")
+        return self.lines.of_mode(R) if R else self.lines
 
     @cached_property
-    def _as_read(self) -> Complexes:
+    def _as_measured(self) -> Complexes:
         return self._columns(self.lines)
 
     def columns(self, mode: StiffnessLines) -> Complexes:
         """Return the parts of Z by linear unknowns of unit size, N/m, (n, p)."""
-        return self._as_read if mode is self.lines else self._columns(mode)
+        return self._as_measured if mode is self.lines else self._columns(mode)
 
     def _columns(self, mode: StiffnessLines) -> Complexes:
         out = np.zeros((mode.X.size, len(self.start)), dtype=np.complex128)
-        for i, (key, name) in enumerate(zip(self.start.keys, self.start.names, strict=True)):
+        for i, name in enumerate(self.start.names):
             if name in _LINEAR:
-                out[:, i] = stiffness_part(name, mode, self.k) * self.of.get(key, 1.0)
-        if self.contact == "gradual":
-            out[:, self._places("kappa")] = secant(mode.X, self.r)
+                out[:, i] = _part(name, mode, self.k)
+        out[:, self.kappa] = secant(mode.X, self.r)
         return out
 
     def law(self, values: Array, mode: StiffnessLines | None = None) -> Complexes:
         """Return Z of the mode by the model, N/m, (n,)."""
         mode = mode or self.mode(values)
-        Z = self.columns(mode) @ values + self.added
-        if "k" not in self.start:
-            Z = Z + self.k
+        Z = self.columns(mode) @ values
         if self.contact == "one slider":
             rho = self._value(values, "rho")
-            D = secant(mode.X, values[self._places(FRICTION)] * rho**2)
-            for i, at in enumerate(self._places(FRICTION)):
-                Z = Z + D[:, i] * self.of.get(self.start.keys[at], 1.0) * rho**-2
+            Z += secant(mode.X, np.array([self._value(values, FRICTION) * rho**2]))[:, 0] * rho**-2
         return np.asarray(Z)
 
     def weighted(self, Z: Complexes, values: Array) -> Array:
         """Return changes of the mode's Z, (n, …), as rows of the measured in standard errors, (2n, …)."""
-        R, delay = self._value(values, "R"), self._value(values, "delay")
-        if R or delay:
-            turn = np.exp(1j * self.lines.omega * delay)
-            Z = ((1.0 - R * self.lines.Z) ** 2 * turn * Z.T).T
+        if R := self._value(values, "R"):
+            Z = ((1.0 - R * self.lines.Z) ** 2 * Z.T).T
         return np.concatenate([(Z.real.T / self.sigma[0]).T, (Z.imag.T / self.sigma[1]).T])
 
     def residual(self, values: Array) -> Array:
@@ -244,10 +216,9 @@ class StiffnessProblem:
     @cached_property
     def roughness(self) -> Array:
         """Second derivatives of κ r^{−1/2} by ln r by the unknowns, in units of the median column of a node."""
-        if self.contact != "gradual" or not self.smoothing:
+        if not self.smoothing:
             return np.zeros((0, len(self.start)))
-        n = self.nodes.size
-        nodes = self._places("kappa")[:n]
+        n, nodes = self.nodes.size, np.flatnonzero(self.kappa)[: self.nodes.size]
         own = self.weighted(self.columns(self.lines)[:, nodes], self.start.values)
         size = float(np.median(np.linalg.norm(own, axis=0)))
         rough = np.zeros((n - 2, len(self.start)))
@@ -271,7 +242,7 @@ class StiffnessProblem:
         values = np.where(self.solved, 0.0, values)
         A, smooth = self.rows(values), np.zeros(len(self.roughness))
         y = -np.concatenate([self.residual(values), smooth])
-        p = _nnls(A, y)
+        p = _nonnegative(A, y)
         values[self.solved] = p
         return values, A[:, p > 0.0], A @ p - y
 
@@ -302,34 +273,31 @@ class StiffnessProblem:
         np.matmul(whole.T, whole, out=out)
         return bool(np.isfinite(out[-1, -1]))
 
-    def ends(self, starts: list[Parameters], **options: Any) -> Parameters:
+    def ends(self, starts: Sequence[Parameters]) -> Parameters:
         """Return where the lowest of the climbs from some starts ends."""
         if not self.climbed.free.any():
             return self.start.at(self.solve(self.start.values))
-        each = [climb_on(self, start, **options) for start in starts]
-        best = min(filter(None, each), key=lambda end: end.chi_square)
+        each = filter(None, (climb_on(self, start) for start in starts))
+        best = min(each, key=lambda end: end.chi_square)
         return self.start.at(self.solve(best.point))
 
     # --- where it starts, and what it leaves --------------------------------------------------
 
-    def with_sliders(self, values: Array) -> Array:
+    def with_slider(self, values: Array) -> Array:
         """Return the unknowns with the best of the sliders that are tried."""
         mode = self.mode(values)
+        places = [self.start.places[key] for key in (FRICTION, "rho")]
         nothing = np.where(self.solved, 0.0, values)
-        nothing[self._places(FRICTION)] = 0.0
+        nothing[places[0]] = 0.0
         A, y = self.rows(nothing), -self.residual(nothing)
         r = np.geomspace(_RIGID * mode.X.min(), mode.X.max(), _TRIED + 1)[:-1]
-        best, least = 0, math.inf
-        columns = self.weighted(secant(mode.X, r), values)
-        whole = np.column_stack([A, columns[:, 0]])
-        for i in range(_TRIED):
-            whole[:, -1] = columns[:, i]
-            p = _nnls(whole, y)
-            if (chi_square := float(np.sum((whole @ p - y) ** 2))) < least:
-                best, least, kappa = i, chi_square, float(p[-1])
-        kappa = max(kappa, _SOFTEST * float(np.abs(mode.Z).max()))
-        nothing[self._places(FRICTION)] = kappa * r[best]
-        nothing[self.start.places["rho"]] = kappa**-0.5
+        columns = self.weighted(secant(mode.X, r), values).T
+        tried = [np.column_stack([A, column]) for column in columns]
+        ends = [_nonnegative(one, y) for one in tried]
+        left = [float(np.sum((one @ p - y) ** 2)) for one, p in zip(tried, ends, strict=True)]
+        best = int(np.argmin(left))
+        kappa = max(float(ends[best][-1]), _SOFTEST * float(np.abs(mode.Z).max()))
+        nothing[places] = kappa * r[best], kappa**-0.5
         return nothing
 
     def misfit(self, values: Array) -> Misfit:
@@ -340,72 +308,45 @@ class StiffnessProblem:
         loss, stiffness = (math.sqrt(np.mean(one**2)) for one in both)
         return Misfit(loss, stiffness, float(np.mean(self.weighted(law - Z, values) ** 2)))
 
-    def used(self, values: Array) -> Mask:
-        """Return the unknowns that a fit has, without κ that are zero, (p,)."""
-        nodes = np.zeros(values.size, dtype=np.bool_)
-        nodes[self._places("kappa")] = True
-        return np.asarray(self.start.free & ~(nodes & (values <= 0.0)))
-
-    def by_rows(self, values: Array) -> Array:
-        """Return derivatives of the unknowns by the rows of the data in standard errors, and by those of the smoothing,
-        (p, 2n + s)."""
-        used = self.used(values)
-        J = np.vstack([self.derivatives(values, used), self.roughness])[:, used]
-        size = np.linalg.norm(J, axis=0)
-        size[size == 0.0] = 1.0
-        out = np.zeros((values.size, len(J)))
-        out[used] = np.linalg.pinv(J / size) / size[:, None]
-        return out
-
     def covariance(self, values: Array) -> Array:
         """Return the covariance of the unknowns, (p, p): a κ of zero may be that of a slider that hides."""
-        free = self.start.free
-        nodes = np.array(self.start.names) == "kappa"
-        J = [self.derivatives(values, free), self.roughness]
-        if nodes.any():
-            slips = np.flatnonzero(nodes)[: self.nodes.size]
+        free, rows = self.start.free, [self.derivatives(values, self.start.free), self.roughness]
+        if self.nodes.size:
+            slips = np.flatnonzero(self.kappa)[: self.nodes.size]
             kappa = values[slips]
             # between equal κ and equal forces; next to a slider, as the r of that is known no closer
             size = _HIDDEN * float(np.sum(kappa)) * np.sqrt(self.lines.X.min() / self.nodes)
             size = np.maximum(size, np.convolve(kappa, [1.0, 0.0, 1.0], "same")) + _SOFTEST
-            J.append((np.eye(values.size)[slips] / size[:, None])[kappa <= 0.0])
-        whole = np.vstack(J)[:, free]
-        size = np.linalg.norm(whole, axis=0)
-        size[size == 0.0] = 1.0
-        by = np.linalg.pinv(whole / size) / size[:, None]
+            rows.append((np.eye(values.size)[slips] / size[:, None])[kappa <= 0.0])
+        by = _inverse(np.vstack(rows)[:, free])
         covariance = np.zeros((values.size, values.size))
         covariance[np.ix_(free, free)] = by @ by.T
         return covariance
 
     def unknowns(self, values: Array) -> float:
-        """Return the effective number of unknowns, tr ∂(model)/∂(data)."""
-        used = self.used(values)
+        """Return the effective number of unknowns, tr ∂(model)/∂(data), of which κ that are zero are none."""
+        used = self.start.free & ~(self.kappa & (values <= 0.0))
         if not self.smoothing:
             return float(np.count_nonzero(used))
-        J = self.derivatives(values, used)
-        return float(np.sum(J.T * self.by_rows(values)[:, : self.samples]))
+        J = self.derivatives(values, used)[:, used]
+        by = _inverse(np.vstack([J, self.roughness[:, used]]))
+        return float(np.sum(J.T * by[:, : self.samples]))
 
-    def scatter(self, values: Array, freedom: Array | None = None) -> Array:
+    def scatter(self, values: Array) -> Array:
         """Return standard errors of the real and the imaginary part of each Z, (2, n), from what the law leaves of
         them.
 
         Where lines state their errors, these count, or the errors of the fit times what each kind scatters by: the
         larger of the two. Else Var Re = α + β|Z|², Var Im = γ(Im Z)² + δ|Z|²: an error of the law in N/m or as a part
         of the loss, and one of the measurement; by largest likelihood (multiplicative updates).
-
-        freedom : degrees of freedom of each kind; default, all lines less half of the unknowns.
         """
         n = self.lines.X.size
         left = self.residual(values).reshape(2, n) * self.sigma
-        if freedom is None:
-            freedom = np.full(2, max(n - 0.5 * self.unknowns(values), 0.5))
-        share = n / freedom[:, None]
+        share = n / max(n - 0.5 * self.unknowns(values), 0.5)
         if self.lines.error is not None:
-            stated = np.broadcast_to(np.abs(self.lines.Z) * self.lines.error, (2, n))
-            scattered = self.sigma * np.sqrt(
-                np.mean((left / self.sigma) ** 2, axis=1, keepdims=True) * share
-            )
-            return np.asarray(np.maximum(scattered, stated))
+            mean = np.mean((left / self.sigma) ** 2, axis=1, keepdims=True)
+            stated = np.abs(self.lines.Z) * self.lines.error
+            return np.asarray(np.maximum(self.sigma * np.sqrt(mean * share), stated))
         # of the law, as the noise of measured values would bias the weights by its square
         Z, squares = self.lines.Z + left[0] + 1j * left[1], left**2 * share
         size, variances = np.abs(Z) ** 2, []

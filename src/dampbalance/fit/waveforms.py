@@ -71,7 +71,7 @@ INDEPENDENT = 4.0
 """Independent values in what the higher harmonics leave of an oscillator that is not theirs: those of all levels are
 alike, and the third is the most of it."""
 
-SHARED = 0.01
+SHARED = 0.007
 """Part of what the higher harmonics leave that is an error of the fundamental, too: what makes them acts on it."""
 
 _SETTLED = 1.1  # ratio of two scales of errors that are the same
@@ -488,10 +488,10 @@ class WaveformFit(OscillatorFit):
         rows, that of a fundamental, which is the data's most, from 2(rows − 1) numbers; where a group leaves more than
         noise, those of all records from what it leaves."""
         squares, main = self.response[self.parameters.places[key]] ** 2, self.problem.fundamentals
+        of_main, of_others = self.problem.scales
+        few = self.freedoms[0] if of_main > 1.0 + SHARED * of_others else INDEPENDENT
         parts = []
-        for group, scale, freedom in zip(
-            (main, ~main), self.problem.scales, (self.freedoms[0], INDEPENDENT), strict=True
-        ):
+        for group, scale, freedom in ((main, of_main, few), (~main, of_others, INDEPENDENT)):
             own = np.where(group, squares, 0.0)
             if scale > 1.0:
                 parts.append((float(np.sum(own)), max(freedom, 1.0)))

@@ -46,10 +46,12 @@ def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> 
         if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
             times = {"times": math.sqrt(answer.misfit)}
             yield Finding("rows scatter", times, by_scatter(answer.coefficients, answer.misfit))
-    if common.in_rows:
-        apart = {key: common.closest.value(key) for key in answer.coefficients}
+    if common.in_rows and common.answer is not None:
+        # the rows may be off by all that lies between them and either end
+        ends = common.answer.intervals
         off = {
-            s: abs(p.value / (apart[s] or math.inf) - 1.0) for s, p in answer.coefficients.items()
+            s: max(abs(end / (p.value or math.inf) - 1.0) for end in ends[s])
+            for s, p in answer.coefficients.items()
         }
         yield Finding("rows uncorrected", effect=off)
 
@@ -84,18 +86,15 @@ def forbidden(
     ]
 
 
-def contradiction(
-    check: Answer, answer: Answer, least: float = 4e-7, wider: float = 1.0
-) -> Iterator[Finding]:
+def contradiction(check: Answer, answer: Answer, least: float = 4e-7) -> Iterator[Finding]:
     """Yield a finding where the balance differs from the answer by more than both intervals together.
 
     least : relative difference that counts: by default that of rounding in integrals of exact waveforms.
-    wider : factor of the interval of the balance.
     """
     changes, effect = [], {}
     for symbol, own in check.coefficients.items():
         value, ends = answer.values[symbol], answer.intervals[symbol]
-        halves = wider * own.within * abs(own.value) + 0.5 * (ends.high - ends.low)
+        halves = own.within * abs(own.value) + 0.5 * (ends.high - ends.low)
         if value and abs(own.value - value) > max(halves, least * abs(value)):
             changes.append((symbol, value, own.value - value))
             effect[symbol] = abs(own.value / value - 1.0)

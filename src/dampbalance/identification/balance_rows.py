@@ -64,6 +64,12 @@ class Balanced:
         """χ² per degree of freedom; NaN without one."""
         return self.chi_square / self.freedom if self.freedom > 0 else math.nan
 
+    def scaled(self) -> Balanced:
+        """Return the coefficients with errors of the scatter of their rows, where that is larger than those."""
+        more = max(1.0, self.misfit if self.freedom > 0 else 1.0) - 1.0
+        wider = {s: p.wider(math.sqrt(more) * p.standard_error) for s, p in self.estimates.items()}
+        return replace(self, estimates=wider, covariance=(1.0 + more) * self.covariance)
+
 
 def estimate_of(value: float, variances: Array, freedoms: Sequence[float]) -> ParameterEstimate:
     """Return a number with standard error and interval, from independent parts of its variance, v_i with f_i degrees of

@@ -14,9 +14,11 @@ for those of Dahl, Bouc–Wen and several sliders.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+import math
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+
+import numpy as np
 
 from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
@@ -37,29 +39,40 @@ GRADUAL = ADDED[-1]
 
 FRAME = "frame"
 
-NOT_IN_ROWS = frozenset({"k_3"})
+NOT_IN_ROWS = frozenset({"k_3", GRADUAL})
 """Departures that rows of the balance, which take the records as they are, do not have."""
 
-
-def worded(selection: Selection) -> dict[str, Finding]:
-    """Return the departures that say more than their size, or leave a number in doubt, by name."""
-    absolute = not selection.fit.lines[0].of_base
-    found = {FRAME: Finding(FRAME, {"absolute": absolute})}
-    for one in weighed_of(selection):
-        if doubts := doubts_of(selection, one.name):
-            found[one.name] = replace(departure(one.name, one.size, one.error), effect=doubts)
-    return found
+_MOST = 3.5
+"""Of the size that rigs have: what is larger by its standard error stands for something else."""
 
 
-def doubts_of(selection: Selection, name: str) -> dict[str, float]:
-    """Return relative errors that numbers may have by a departure without a trace in the fit: F_k is in proportion to
+def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
+    """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
     the size of the motion, which no gain of a relative response asks for, and a contact that yields gradually is after
     a reversal as stiff as that of Iwan only if it is one."""
-    fit = selection.fit
-    size = next((abs(one.size) for one in weighed_of(selection) if one.name == name), 0.0)
-    if name == "gain" and not any(one.of_base for one in fit.lines):
-        return {key: size for key in fit.law.unknowns if key.symbol == FRICTION}
-    return {"K_z": min(size, 1.0)} if name == GRADUAL else {}
+    fit, doubts = selection.fit, dict[str, float]()
+    sizes = {one.name: abs(one.size) for one in weighed_of(selection) if one.name in names}
+    if "gain" in sizes and not any(one.of_base for one in fit.lines):
+        doubts = {key: sizes["gain"] for key in fit.law.unknowns if key.symbol == FRICTION}
+    if GRADUAL in sizes:
+        doubts["K_z"] = min(sizes[GRADUAL], 1.0)
+    return doubts
+
+
+def unseen_turns(selection: Selection) -> Iterator[Finding]:
+    """Yield a finding for each turn of the phase that may take half of a number or more, where the harmonics, which
+    would tell it from damping, are not those of the oscillator."""
+    plain, keys = selection.models[0], selection.fit.law.unknowns
+    if max(selection.fit.problem.scales) == 1.0:
+        return
+    for one, weight in zip(selection.models, selection.weights, strict=True):
+        by = one.values - plain.values
+        spread = np.sqrt(by**2 + np.maximum(np.diag(one.covariance - plain.covariance), 0.0))
+        parts = zip(selection.keys, (spread / np.abs(plain.values)).tolist(), strict=False)
+        effect = {key: part for key, part in parts if key in keys and part > 0.5}
+        if one.name in TURNS and effect:
+            what = (departure(one.name, *one.size),)
+            yield Finding("weighs", {"what": what, "weight": weight, "clear": False}, effect)
 
 
 def sizes_in(fit: WaveformFit) -> dict[str, float]:
@@ -95,7 +108,10 @@ def candidates(
         fall = own - end.chi_square - penalty(end)
         if name == FRAME:
             return 0.5 * fall
-        return bayes_factor(end.value(name), end.error(name), prior_of(name), fall)[0]
+        value, error, prior = end.value(name), end.error(name), prior_of(name)
+        if abs(value) - error > _MOST * prior.size:
+            return -math.inf
+        return bayes_factor(value, error, prior, fall)[0]
 
     def prior_of(name: str) -> Prior:
         return PRIORS[name]._replace(size=PRIORS[name].size * units[name])
@@ -115,7 +131,7 @@ def candidates(
     found = [
         Candidate(name, prior_of(name), partial(fitted, name), one, partial(weighed, name))
         for name, one in tested.items()
-        if name not in (*names, *barred)
+        if name not in (*names, *barred, *([GRADUAL] if max(fit.problem.scales) > 1.0 else []))
     ]
     if frames:
         # where it holds, the nearest starts lead there: no wide search for what most records are not

@@ -21,10 +21,10 @@ from ..balance import TERMS, Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..fit.decay import DecayFit, offset_of, with_noise_of
-from ..fit.decay_departures import as_pendulum, departures_of, weighed
+from ..fit.decay_departures import as_pendulum, weighed
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
-from ..fit.select import PRIORS, REFITTED, Selection
+from ..fit.select import REFITTED, Selection
 from ..project.options import DecayOptions, Stated, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
@@ -50,7 +50,7 @@ from .answer import (
     answer_of_fit,
     averaged,
 )
-from .balance_check import by_scatter, contradiction, forbidden
+from .balance_check import contradiction, forbidden
 from .balance_rows import Balanced, as_answer, solved
 from .diagnosis import on_mass
 from .half_cycles import DecayRows, rows_of
@@ -62,7 +62,7 @@ from .rigs import require_rotation
 from .screen import implied, measured_lines
 from .sensitivities import Fault
 from .stated import widened, with_stated_uncertainties
-from .weighing import departure, said_of, weighed_of
+from .weighing import said_of, weighed_of
 
 if TYPE_CHECKING:
     from ..records.measured import RecordLike
@@ -312,7 +312,7 @@ def identify_decay_records(
             warnings.append(on_mass(fit, mass))
     selection = weighed(fit)
     fit = profiled(selection.fit)
-    warnings += said_of(selection) + _unexplained(fit)
+    warnings += said_of(selection)
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
@@ -325,20 +325,6 @@ def identify_decay_records(
     sources = tuple(record.name for record in records)
     outcome = _solved(fit, selection, rows_of(fit), sources, rig, warnings)
     return replace(outcome, laws=compare_decay_laws(fit)) if laws else outcome
-
-
-def _unexplained(fit: DecayFit) -> list[Finding]:
-    """Return a finding where a further coefficient shows with a sign that it cannot have: what nothing known explains
-    moves the numbers as much."""
-    tests = departures_of(fit)
-    odd = [one for one in tests if PRIORS[one.symbol].positive and one.size < -math.sqrt(SHOWS)]
-    if not odd:
-        return []
-    worst = min(odd, key=lambda one: one.size)
-    slopes = {s: worst.slopes.get(s, 0.0) for s in TERMS}
-    effect = {s: abs(by * worst.value / (fit.value(s) or math.inf)) for s, by in slopes.items()}
-    what = departure(worst.symbol, worst.value, worst.error)
-    return [Finding("unexplained decays", {"what": (what,)}, effect)]
 
 
 def _pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]:
@@ -412,8 +398,7 @@ def _solved(
         fit_notes.append(Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED))
     notes = [*fit_notes]
     if freedom > 0 and special.chdtrc(freedom, solution.chi_square) < P_OF_THE_MODEL:
-        off = by_scatter(estimates, misfit)
-        notes.append(Finding("half cycles differ", {"misfit": misfit}, off))
+        notes.append(Finding("half cycles differ", {"misfit": misfit}))
     if not estimates:
         notes.append(Finding("few half cycles", {"halves": rows.halves}))
     if abs(fit.F_k) < NORMAL_95 * fit.error("F_k"):
@@ -442,11 +427,9 @@ def _solved(
         notes=tuple(notes),
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    # half cycles that do not meet one law scatter by more than the noise, and so does what comes from them
-    wider = math.sqrt(max(1.0, misfit)) if freedom > 0 else 1.0
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
     if fit.white and not clipped_signals and not fit.further:
-        warnings = [*warnings, *contradiction(answer, reference, USELESS, wider)]
+        warnings = [*warnings, *contradiction(answer, reference, USELESS)]
     decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
         basis=DecayBasis(fit, rows),
@@ -497,7 +480,7 @@ def balanced(rows: DecayRows) -> Balanced:
     forces = np.unique(rows.friction)
     terms = {str(one): np.where(rows.friction == one, a, 0.0) for one in forces} or {"0": a}
     of_rows = Rows({**terms, "c": b}, rows.rows.W)
-    each = solved(of_rows, lambda _: [rows.covariance], [math.inf], free=rows.free)
+    each = solved(of_rows, lambda _: [rows.covariance], [math.inf], free=rows.free).scaled()
     if forces.size == 1 or not each.estimates:
         return replace(each, estimates=dict(zip(TERMS, each.estimates.values(), strict=False)))
     mean = ScatteringMean.of(np.array([*each.values.values()])[:-1], each.covariance[:-1, :-1])

@@ -16,7 +16,7 @@ from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import CERTAIN
 from .answer import Answer, doubted
 from .balance_check import alike, contradiction
-from .causes import FRAME, worded
+from .causes import FRAME, doubts_of, unseen_turns
 from .oscillator import CommonFit
 from .weighing import said_of
 
@@ -65,7 +65,11 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         return
     fit, of = common.fit, common.selection
     if of is not None:
-        yield from said_of(of, worded(of))
+        assert fit is not None
+        frame = Finding(FRAME, {"absolute": bool(fit.lines[0].of_base)})
+        for one in said_of(of, {FRAME: frame}):
+            yield replace(one, effect=doubts_of(of, *(what.code for what in one.numbers["what"])))
+        yield from unseen_turns(of)
     if common.mass is not None and not common.mass_fits:
         by_force = any("force" in reading.steady.channels for reading in readings)
         yield on_mass(common.closest, common.mass, by_force)

@@ -366,7 +366,8 @@ def identify_readings(
     fit, rig = common.fit, list[Finding]()
     if fit is not None:
         rig = implied(common.closest, mass if common.mass_fits else None)
-    of_records, of_all = on_records(readings, common), [*agreement(readings, common, direct)]
+    of_records = on_records(readings, common)
+    of_all = [*agreement(readings, common, direct)]
     if common.delay is not None and not any(one.code == "weighs" for one in of_all):
         rig.append(Finding("timing", {"late": common.delay}))
     return Result(

@@ -102,10 +102,10 @@ def identify_friction_speed(
         T = F_k sgn v + c v + T_0
 
     T_0 is an offset of the sensor, or gravity; friction that differs between the directions by 2T_0 looks alike. Laws
-    with a friction that falls with the speed, F_S e^{−(v/v_S)²} (Stribeck), or is rounded at rest, F_k tanh(v/v_0), and
-    with a quadratic damper are weighed by their evidence: F_k and c are means over all, and the intervals hold what the
-    data do not tell apart. Errors follow from the scatter about the best law, or from a column of standard errors if
-    they cover it.
+    with a friction that falls with the speed, F_S e^{−|v/v_S|^δ} (Stribeck; δ = 1 or 2), or is rounded at rest,
+    F_k tanh(v/v_0), and with a quadratic damper are weighed by their evidence: F_k and c are means over all, and the
+    intervals hold what the data do not tell apart. Errors follow from the scatter about the best law, or from a column
+    of standard errors if they cover it.
 
     records : as `read_records` returns or takes them, a row for each speed, with a velocity and a force or torque, one
     table or several of one contact. Reduce samples in time to a mean at each steady speed beforehand.
@@ -190,7 +190,10 @@ def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], list
 
 def weights_of(laws: Selection) -> dict[str, float]:
     """Return the weight of each law, by its name."""
-    return {name: laws.weight(symbol) for symbol, name in _LAWS.items()}
+    weights = dict.fromkeys(_LAWS.values(), 0.0)
+    for symbol, name in _LAWS.items():
+        weights[name] += laws.weight(symbol)
+    return weights
 
 
 def _answer(laws: Selection) -> Answer:
@@ -225,7 +228,8 @@ def _answer(laws: Selection) -> Answer:
     return averaged(answer, laws)
 
 
-_LAWS = {"": "Coulomb", "F_S": "Stribeck", "v_0": "rounded", "c_2": "quadratic"}
+_LAWS = {"": "Coulomb", "F_S": "Stribeck", "exponential": "Stribeck"}
+_LAWS |= {"v_0": "rounded", "c_2": "quadratic"}
 _UNITS = {"T_0": "N", "F_S": "N", "v_S": "m_per_s", "v_0": "m_per_s", "c_2": "N_s2_per_m2"}
 """Further numbers of a fit, with their units in the document."""
 
@@ -259,4 +263,9 @@ def _rig(laws: Selection) -> Iterator[Finding]:
     yield Finding("no K_z")
 
 
-_SHOWN = {"F_S": "Stribeck", "v_0": "rounded at rest", "c_2": "quadratic damper"}
+_SHOWN = {
+    "F_S": "Stribeck",
+    "exponential": "Stribeck",
+    "v_0": "rounded at rest",
+    "c_2": "quadratic damper",
+}

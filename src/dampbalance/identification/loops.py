@@ -18,15 +18,7 @@ from ..arrays import Array
 from ..balance import Rows
 from ..findings.finding import Finding
 from ..fit.loop_design import MOST_BLOCKS, Design, force_of, slope_of
-from ..fit.loops import (
-    DIFFER,
-    SLIDERS,
-    WITHIN,
-    LoopFit,
-    fit_gradual,
-    weigh,
-    with_late_motion,
-)
+from ..fit.loops import DIFFER, SLIDERS, WITHIN, LoopFit, fit_gradual, weigh, with_late_motion
 from ..fit.select import Selection, select
 from ..law.terms import FRICTION
 from ..project.options import LoopOptions, Stated, with_options

@@ -28,6 +28,7 @@ from ..signals.thresholds import SHOWS
 from ..solver import NORMAL_95
 from .answer import Answer, answer_of_fit, averaged
 from .causes import FRAME, NOT_IN_ROWS, candidates
+from .weighing import said_of
 
 _DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping act differently
 
@@ -85,8 +86,12 @@ class CommonFit:
 
     @property
     def in_rows(self) -> bool:
-        """Whether the records have a departure that the answer is freed of, and rows of the balance are not."""
-        return self.selection is not None and bool({*self.selection.names} - NOT_IN_ROWS)
+        """Whether the records may have a departure that the answer is freed of, and rows of the balance are not."""
+        of = self.selection
+        if of is None:
+            return False
+        said = {what.code for one in said_of(of) for what in one.numbers["what"]}
+        return bool({*of.names, *said} - NOT_IN_ROWS)
 
     @property
     def mass_taken(self) -> bool:

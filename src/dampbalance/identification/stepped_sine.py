@@ -29,15 +29,7 @@ from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..records.stepped_sine import SteppedRecord, read_lines
 from ..signals.thresholds import CERTAIN
-from .answer import (
-    UNKNOWN,
-    Answer,
-    Balance,
-    Interval,
-    ParameterEstimate,
-    averaged,
-    covariance_of,
-)
+from .answer import UNKNOWN, Answer, Balance, Interval, ParameterEstimate, averaged, covariance_of
 from .level import Column, Level
 from .request import read_request
 from .result import Picture, Result
@@ -332,6 +324,8 @@ def _answer(
     notes, of = [*_on_stiffness(fit, k_error)], _of_mode(lines, fit)
     if compared is not None and name != compared.supported:
         notes.append(Finding("another contact", {"contact": compared.supported}, UNBOUNDED))
+    elif compared is None and fit.noise > 1.0:
+        notes.append(Finding("levels depart", effect=UNBOUNDED))
     elif fit.problem.contact == "none":
         notes.append(Finding("no contact", {"why": _supported(compared)} if compared else {}))
     X, W, sliders = of.X, math.pi * of.X**2 * of.Z.imag, fit.sliders

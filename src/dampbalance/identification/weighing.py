@@ -20,7 +20,7 @@ DEPARTURES = (
 )
 """Departures that a sentence names: to add one is a name here, and its words in the table of findings."""
 
-_EITHER_WAY = ("delay", "gain")
+_EITHER_WAY = ("delay", "gain", "falling")
 """Departures whose sign is in the words."""
 
 

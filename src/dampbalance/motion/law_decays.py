@@ -6,8 +6,8 @@
 The base is at rest. G = k is a pendulum, whose angle is x, and G = 0 any other oscillator. The linear part of a phase
 is followed by its exact flow, the rest by the Runge–Kutta method of order 4 in the frame of that flow (Lawson 1967):
 where only F_k and c act, the motion is exact. Derivatives follow the linearised equations; x, ẋ and their derivatives
-are continuous at events, since the force of the contact is. Where the friction falls with the speed, F_k is what it
-falls to: a mass at rest breaks loose at F_k + p, one that moves at less. Friction that fades, as of bodies that run in
+are continuous at events, since the force of the contact is. Where the friction changes with the speed, F_k is what it
+tends to: a mass at rest breaks loose at F_k + p > 0. Friction that fades, as of bodies that run in
 or get warm, changes from one slip to the next,
 
     F_n = F_k [1 − q ((n + ½)/N − ½)],   n = 0, 1, … N − 1,

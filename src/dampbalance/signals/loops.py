@@ -32,7 +32,6 @@ _PERIODIC = 1.5
 _DEGREE, _STANDS_OUT = 24, 3.0
 _RUN, _STANDS_OUT_OF_ALL = 8, 4.5  # samples of a run, and of all runs
 _FEWEST_POINTS, _ROUNDS = 16, 3  # of a mean cycle, and of finding its period
-_FEW = 8  # harmonics of a mean cycle that stand for it alone, at the most
 _DRAWS = 4  # pairs of drawings of noise
 SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
 
@@ -133,9 +132,8 @@ def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float,
     of = CubicSpline(np.arange(x.size), x)
     phase = np.arange(points) / points
     turn = np.exp(-2j * math.pi * phase)
-    for _ in range(
-        _ROUNDS
-    ):  # the fundamental of each cycle, about its straight line, lags by the error of the period
+    # the fundamental of each cycle, about its straight line, lags by the error of the period
+    for _ in range(_ROUNDS):
         at = first + period * np.add.outer(number, phase)
         every = of(np.minimum(at, x.size - 1.0))
         lines = np.outer(every[:, -1] - every[:, 0], phase)
@@ -143,12 +141,6 @@ def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float,
         period -= period * float(np.polyfit(number, late, 1)[0]) / (2.0 * math.pi)
     left, other = noise / math.sqrt(count), drawn[:, :points] / math.sqrt(count)
     mean = (every - lines).mean(axis=0)
-    harmonics = np.fft.rfft(mean)
-    few = np.abs(harmonics) > CERTAIN * left * math.sqrt(0.5 * points)
-    smooth = np.fft.irfft(harmonics * few, points)
-    if few.sum() <= _FEW and _is_noise(mean - smooth, left):
-        mean, other = smooth, np.fft.irfft(np.fft.rfft(other) * few, points)
-        left *= math.sqrt(2.0 * few.sum() / points)
     terms = np.array([mean, np.ones(points), phase])
     cycles = np.linalg.lstsq(terms.T, every.T)[0].T @ terms
     inside = np.arange(first, min(x.size, math.ceil(at[-1, -1])))
@@ -167,39 +159,31 @@ def between_turns(
     velocity, m/s, and what other drawings of its noise would have left in it, (draws, n).
 
     Between two turns it is a polynomial, of Legendre's those that stand out of the noise: of a triangle a line, and of
-    a sine few. Where a polynomial leaves more than noise it is the closest monotone motion, whose velocity comes from
-    parabolas.
+    a sine few. Where a polynomial leaves more than noise it stays as it is, and its velocity comes from parabolas.
 
     noise : standard deviation, m.   step : of time, s.   drawn : other noise, m, (draws, n).
     """
-    from scipy.optimize import isotonic_regression  # slow to import
     from scipy.signal import savgol_filter  # slow to import
 
     turns = np.array([-1, *turns, x.size - 1])
     # samples of a parabola whose slope has an error of 1 % of the mean speed
     way = _CLOSE * float(np.mean(np.abs(np.diff(x[turns[1:]])) / np.diff(turns[1:])))
     window = 1 + 2 * max(1, round(0.5 * (12.0 * (noise / way) ** 2) ** (1.0 / 3.0)))
-    smooth, v, errors = x.copy(), np.gradient(x, step), np.zeros_like(drawn)
-    for i, (before, turn) in enumerate(itertools.pairwise(turns.tolist())):
+    smooth, v, errors = x.copy(), np.gradient(x, step), drawn.copy()
+    for before, turn in itertools.pairwise(turns.tolist()):
         own = slice(before + 1, turn + 1)
-        part, up = x[own], bool(x[turns[1]] > x[0]) ^ bool(i % 2)
+        part = x[own]
         if part.size < window:
             continue
         Q = _polynomials(part.size)
-        sizes = part @ Q
-        Q = Q[:, : 1 + int(np.flatnonzero(np.abs(sizes) > _STANDS_OUT * noise).max(initial=0))]
+        stands_out = np.abs(part @ Q) > _STANDS_OUT * noise
+        Q = Q[:, : 1 + int(np.flatnonzero(stands_out).max(initial=0))]
         model = Q @ (Q.T @ part)
-        fits = _is_noise(part - model, noise)
-        if fits:
-            v[own], errors[:, own] = np.gradient(model, step), drawn[:, own] @ Q @ Q.T
+        if _is_noise(part - model, noise):
+            smooth[own], v[own] = model, np.gradient(model, step)
+            errors[:, own] = drawn[:, own] @ Q @ Q.T
         else:
-            model = part
             v[own] = savgol_filter(part, window, 2, deriv=1, delta=step)
-            errors[:, own] = [
-                isotonic_regression(part + of, increasing=up).x for of in drawn[:, own]
-            ]
-            errors[:, own] -= isotonic_regression(part, increasing=up).x
-        smooth[own] = model if fits else isotonic_regression(model, increasing=up).x
     return smooth, v, errors
 
 
