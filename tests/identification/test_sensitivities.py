@@ -33,7 +33,7 @@ def found(request):
 
 
 # a fault that shows is fitted along, and then changes nothing
-UNEXPLAINED = "dampbalance.identification.oscillator.explanations", lambda *_, **__: ()
+UNEXPLAINED = "dampbalance.identification.oscillator.candidates", lambda *_, **__: ()
 
 
 OSC = Oscillator(m=2.42, c=9.0, k=2310.0, K_z=2310.0, F_k=1.28)

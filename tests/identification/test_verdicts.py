@@ -21,8 +21,7 @@ from dampbalance.identification.answer import (
     ParameterEstimate,
     doubted,
 )
-from dampbalance.identification.balance_check import forbidden, notes_on
-from dampbalance.identification.diagnosis import agreement
+from dampbalance.identification.balance_check import contradiction, forbidden, notes_on
 from dampbalance.identification.oscillator import CommonFit
 from dampbalance.identification.result import Result
 from dampbalance.identification.screen import in_one, with_interval
@@ -237,8 +236,10 @@ def test_an_onset_that_is_not_known_moves_F_k_by_half_of_the_stick():
         )
         for name, share, range_ in (("a", 0.1, 2.0), ("b", 0.1, 4.0))
     ]
-    fit = SimpleNamespace(adequate=False)
-    (note,) = notes_on(answer, readings, CommonFit(fit))
+    common = SimpleNamespace(
+        frictionless=False, stuck=None, waveforms_hold=False, fit=TOY, answer=SOUND, in_rows=False
+    )
+    (note,) = notes_on(answer, readings, common)
     assert note.effect["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
 
 
@@ -278,20 +279,8 @@ def test_a_number_of_any_size_fits_its_cell(value, half, expected):
     assert with_interval(parameter(value, half)) == expected
 
 
-@pytest.mark.parametrize(("sizes", "apart"), [(3.9, False), (4.1, True)])
-def test_balance_and_fit_are_apart_from_four_standard_errors_of_their_difference_on(sizes, apart):
-    # the variance of the difference is that of the balance, 0.5², less that of the fit, 0.3²
-    fit = SimpleNamespace(
-        adequate=True,
-        law=SimpleNamespace(unknowns=("F_k", "c")),
-        value={"F_k": 1.28, "c": 90.0}.get,
-        error={"F_k": 0.004, "c": 0.3}.get,
-        interval=lambda _: (1e-3, 2e-3),
-    )
-    off = ParameterEstimate(90.0 + 0.4 * sizes, 0.5, Interval(89.0, 93.0))
-    warnings = agreement(
-        [],
-        CommonFit(fit),
-        with_parameters(c=off),
-    )
-    assert any(one.code == "contradicts" for one in warnings) == apart
+@pytest.mark.parametrize(("part", "apart"), [(0.9, False), (1.1, True)])
+def test_balance_and_fit_are_apart_where_they_differ_by_more_than_both_intervals(part, apart):
+    # 0.1 of the fit and 0.5 of the balance
+    check = with_parameters(c=parameter(90.0 + part * 0.6, 0.5)).as_check()
+    assert bool([*contradiction(check, SOUND)]) == apart
