@@ -76,8 +76,8 @@ def test_a_force_does_not_ask_for_the_stiffness():
 def test_an_interval_is_what_such_records_scatter_by(fault, monkeypatch):
     """Records that are off by one standard uncertainty give numbers off by what the errors say."""
     # a fault that shows is fitted along, and then changes nothing
-    explanations = "dampbalance.identification.oscillator.explanations"
-    monkeypatch.setattr(explanations, lambda *_, **__: ())
+    candidates = "dampbalance.identification.oscillator.candidates"
+    monkeypatch.setattr(candidates, lambda *_, **__: ())
     quantity = "base_displacement" if fault == "drive" else "displacement"
     uncertain = {"delay_error": 1e-5} if fault == "late" else {"gain_error": 1e-3}
     off = {"delay": 1e-5} if fault == "late" else {"gain": 1.001}

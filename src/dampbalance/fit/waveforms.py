@@ -489,9 +489,9 @@ class WaveformFit(OscillatorFit):
         noise, those of all records from what it leaves."""
         squares, main = self.response[self.parameters.places[key]] ** 2, self.problem.fundamentals
         of_main, of_others = self.problem.scales
-        few = self.freedoms[0] if of_main > 1.0 + SHARED * of_others else INDEPENDENT
+        left = self.freedoms[0] if of_main > 1.0 + SHARED * of_others else INDEPENDENT
         parts = []
-        for group, scale, freedom in ((main, of_main, few), (~main, of_others, INDEPENDENT)):
+        for group, scale, freedom in ((main, of_main, left), (~main, of_others, INDEPENDENT)):
             own = np.where(group, squares, 0.0)
             if scale > 1.0:
                 parts.append((float(np.sum(own)), max(freedom, 1.0)))

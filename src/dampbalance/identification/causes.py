@@ -20,7 +20,7 @@ from functools import partial
 
 import numpy as np
 
-from ..findings.finding import Finding
+from ..findings.finding import UNBOUNDED, Finding
 from ..fit.fit import OscillatorFit
 from ..fit.nuisances import in_other_frame, units_of
 from ..fit.score import Departure
@@ -46,12 +46,16 @@ _MOST = 3.5
 """Of the size that rigs have: what is larger by its standard error stands for something else."""
 
 
-def doubts_of(selection: Selection, *names: str) -> dict[str, float]:
+def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
     """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
     the size of the motion, which no gain of a relative response asks for, and a contact that yields gradually is after
     a reversal as stiff as that of Iwan only if it is one."""
     fit, doubts = selection.fit, dict[str, float]()
-    sizes = {one.name: abs(one.size) for one in weighed_of(selection) if one.name in names}
+    said = [one for one in weighed_of(selection) if one.name in names]
+    sizes, units = {one.name: abs(one.size) for one in said}, sizes_in(fit)
+    for one in said:
+        if one.name in units and _too_large(one.size, one.error, one.name, units):
+            return UNBOUNDED
     if "gain" in sizes and not any(one.of_base for one in fit.lines):
         doubts = {key: sizes["gain"] for key in fit.law.unknowns if key.symbol == FRICTION}
     if GRADUAL in sizes:
@@ -108,10 +112,10 @@ def candidates(
         fall = own - end.chi_square - penalty(end)
         if name == FRAME:
             return 0.5 * fall
-        value, error, prior = end.value(name), end.error(name), prior_of(name)
-        if abs(value) - error > _MOST * prior.size:
+        value, error = end.value(name), end.error(name)
+        if _too_large(value, error, name, units):
             return -math.inf
-        return bayes_factor(value, error, prior, fall)[0]
+        return bayes_factor(value, error, prior_of(name), fall)[0]
 
     def prior_of(name: str) -> Prior:
         return PRIORS[name]._replace(size=PRIORS[name].size * units[name])
@@ -139,6 +143,11 @@ def candidates(
         search = partial(fit_records, others, fit.k, fit.law, thorough=False)
         found.append(Candidate(FRAME, PRIORS[FRAME], search, None, partial(weighed, FRAME)))
     return found
+
+
+def _too_large(value: float, error: float, name: str, units: Mapping[str, float]) -> bool:
+    """Return whether a departure is larger than rigs have it.   units : of `sizes_in`."""
+    return abs(value) - error > _MOST * PRIORS[name].size * units[name]
 
 
 def _converged(fit: WaveformFit | None) -> WaveformFit | None:
