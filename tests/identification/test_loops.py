@@ -288,11 +288,7 @@ def test_uncertainties_of_gain_and_delay_widen_the_intervals():
         force = np.interp(T + seconds, T, record["force_N"])
         return slider(Design([Loop.of("later", T, SINE, force).settled()]))
 
-    plain, gain, delay = (
-        found(),
-        found(gain_uncertainty=0.02),
-        found(delay_uncertainty=1e-3),
-    )
+    plain, gain, delay = (found(), found(gain_uncertainty=0.02), found(delay_uncertainty=1e-3))
     early, late = later(-1e-3), later(1e-3)
     for symbol, value in plain.values.items():
         half = {one: 0.5 * np.diff(of.intervals[symbol])[0] for one, of in [(0, plain), (1, gain)]}
