@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 from scipy.signal import butter, lsim
-from scipy.stats import t as student
 
 from dampbalance import BaseMotion, Oscillator, identify, identify_loops, steady_orbit
 from dampbalance.fit.loop_design import Design
-from dampbalance.fit.loops import SLIDERS, WITHIN, fit_gradual, slider
+from dampbalance.fit.loops import slider
 from dampbalance.identification import loops
 from dampbalance.identification.loops import (
     friction_coefficient,
@@ -288,11 +287,7 @@ def test_uncertainties_of_gain_and_delay_widen_the_intervals():
         force = np.interp(T + seconds, T, record["force_N"])
         return slider(Design([Loop.of("later", T, SINE, force).settled()]))
 
-    plain, gain, delay = (
-        found(),
-        found(gain_uncertainty=0.02),
-        found(delay_uncertainty=1e-3),
-    )
+    plain, gain, delay = (found(), found(gain_uncertainty=0.02), found(delay_uncertainty=1e-3))
     early, late = later(-1e-3), later(1e-3)
     for symbol, value in plain.values.items():
         half = {one: 0.5 * np.diff(of.intervals[symbol])[0] for one, of in [(0, plain), (1, gain)]}
@@ -380,24 +375,6 @@ def test_loops_of_velocity_are_recognised_and_the_guess_is_said():
     assert words not in identify(record, kind="loops").text()
 
 
-def test_the_difference_to_other_choices_of_sliders_is_no_standard_deviation(monkeypatch):
-    """It bounds the number: a rectangular distribution has a standard deviation of a √3rd of that."""
-    contact = [(1e4, 1e-5 * 60 * 0.7**j) for j in range(8)]
-    found = identify_loops(table(contact=contact, c=0.0))
-    assert found.answer.name == "gradual"
-    design, fit = fit_of(found).design, fit_of(found)
-    others = [
-        fit_gradual(design, SLIDERS // 2),
-        fit_gradual(design, within=(WITHIN[0], loops._SOFTEST)),
-        fit_gradual(design, within=(loops._STIFFEST, WITHIN[1])),
-    ]
-    off = max(abs(of.value("rho") - fit.value("rho")) for of in others)
-    own = student.ppf(0.975, fit.freedom) * fit.error("rho")
-    half = 0.5 * abs(np.diff(np.power(found.intervals["K_z"], -0.5))[0])
-    # other contacts have no weight here, to the tolerance
-    assert half == pytest.approx(math.hypot(own, 1.96 * off / math.sqrt(3.0)), rel=1e-4)
-
-
 def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     """Cycles of the runs are those of the record; the history is of all of them."""
     monkeypatch.setattr(loops, "MOST_SAMPLES", 4000)
@@ -416,11 +393,3 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
         assert abs(found.values[symbol] - true) < 5.0 * found.standard_errors[symbol] + 1e-3 * true
     assert "is fitted to 48 of the 198 cycles" in found.text()
     np.testing.assert_allclose(loop_history(found)["F_k_N"][1:], F_K, rtol=0.02)
-
-
-def test_means_of_cycles_are_those_of_their_samples():
-    found = loop()
-    for i in range(0, found.cycles, 5):
-        own = found.cycle == i
-        assert found.means(found.f)[i] == pytest.approx(found.f[own].mean(), rel=1e-12)
-        assert found.amplitudes[i] == 0.5 * np.ptp(found.x[own])

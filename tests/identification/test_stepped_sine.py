@@ -272,6 +272,12 @@ def test_two_levels_do_not_tell_whether_one_slider_is_enough():
     assert [one.code for one in found.verdicts["K_z"].findings] == ["two levels"]
 
 
+def test_a_contact_asked_for_alone_is_doubtful_where_whole_levels_depart_from_it():
+    for sliders, verdict in ((ONE, "usable"), (MANY, "doubtful")):
+        found = identify(table(sliders), contact="one slider")
+        assert {of.verdict for of in found.verdicts.values()} == {verdict}
+
+
 def test_no_contact_that_slips_is_an_answer_too():
     nothing = Sliders(np.array([1.0]), np.array([4e4]))
     found = identify(table(nothing))

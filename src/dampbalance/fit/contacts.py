@@ -313,14 +313,15 @@ def _starts(problem: StiffnessProblem) -> list[Parameters]:
 def _fitted(problem: StiffnessProblem) -> ContactFit:
     """Return the fit of a problem: the mean over a spring that hardens and one that does not, and that of a gradual
     contact over those of different smoothness."""
-    gradual = problem.contact == "gradual"
-    rough = [replace(problem, smoothing=of) for of in (_SMOOTHINGS if gradual else (0.0,))]
-    variants = [("smoothness", of) for of in rough]
+    smoothings = _SMOOTHINGS if problem.contact == "gradual" else _SMOOTHINGS[:1]
+    starts = {"smoothness": problem.start}
     if "k_3" in problem.start:
-        soft = problem.start.held("k_3")
-        variants = [("smoothness", replace(of, start=soft)) for of in rough]
-        variants += [("k_3", of) for of in rough]
-    (_, first), *others = ((prior, _fit(_estimated(of))) for prior, of in variants)
+        starts = {"smoothness": problem.start.held("k_3"), "k_3": problem.start}
+    (_, first), *others = (
+        (prior, _fit(_estimated(replace(problem, start=start, smoothing=of))))
+        for prior, start in starts.items()
+        for of in smoothings
+    )
     if not others:
         return first
     candidates = [
@@ -354,6 +355,7 @@ def _fit(problem: StiffnessProblem) -> ContactFit:
     left, unknowns = problem.residual(values), problem.unknowns(values)
     of_levels = np.array([np.bincount(level, part) for part in left.reshape(2, -1)])
     noise = noise_of(float(np.sum(of_levels**2 / np.bincount(level))), of_levels.size)
+    noise = 1.0 if problem.contact == "gradual" else noise  # its sliders that hide count
     chi_square = float(left @ left)
     evidence = -float(np.sum(np.log(problem.sigma))) - 0.5 * chi_square
     evidence -= 0.5 * unknowns * math.log(problem.samples)
@@ -401,16 +403,16 @@ def compare_contacts(
         )
     more = [name for name in ("c_2", "c_3") if name not in terms]
     damping = [(*terms, *more[:count]) for count in range(len(more) + 1)]
-    laws: list[tuple[str, Contact, Sequence[str], str]] = []
+    fits, priors = dict[str, ContactFit](), dict[str, str]()
     for contact in _CONTACTS:
         for of in damping if contact == "none" else damping[:2]:
             plain = contact != "none" and of == damping[0]
             name = contact if plain else f"{contact} ({', '.join(of)})"
-            prior = f"{contact} contact" if plain or contact == "none" else "further damping"
-            laws.append((name, contact, of, prior))
-    fits = {name: _fitted(_asked(lines, contact, of, **options)) for name, contact, of, _ in laws}
-    first = fits["one slider"]
+            fits[name] = _fitted(_asked(lines, contact, of, **options))
+            own = plain or contact == "none"
+            priors[name] = f"{contact} contact" if own else "further damping"
+    first, *others = fits
     free = [p for fit in fits.values() for p in fit.terms if fit.parameters[p].free]
     keys = (FRICTION, "rho", *dict.fromkeys(free))
-    candidates = [_candidate(name, fits[name], first, prior) for name, *_, prior in laws[1:]]
-    return ContactComparison(fits, select(first, candidates, keys))
+    candidates = [_candidate(of, fits[of], fits[first], priors[of]) for of in others]
+    return ContactComparison(fits, select(fits[first], candidates, keys))

@@ -325,25 +325,19 @@ class LoopFit(Fit):
             return Parameters.of([*parameters.at(values), *derived])
 
         others = [extended(values) for values in without]
+        blocks = problem.design.blocks
         pairs = zip(without - parameters.values, problem.design.own, strict=True)
         # a drawing moves the numbers as the noise that was there did: by its mean, and by its scatter
         of_x = np.array([extended(values).values for values in drawn])
         off, limits = of_x - of_x.mean(axis=0), parameters.limits
         moved = np.clip(2.0 * parameters.values - drawn.mean(axis=0), limits.low, limits.high)
-        return cls(
-            parameters=extended(moved),
-            covariance=jackknifed([np.array([of.values for of in others]).T])
-            + off.T @ off / len(off),
-            chi_square=problem.design.blocks - 1,  # by the scatter between blocks
-            freedom=problem.design.blocks - 1,
-            problem=problem,
-            left=left,
-            ahead=left - np.concatenate([of @ slopes[:, own] for of, own in pairs]),
-            without=[
-                (problem.contact(of), every.by_key)
-                for of, every in zip(without, others, strict=True)
-            ],
-        )
+        covariance = jackknifed([np.array([of.values for of in others]).T]) + off.T @ off / len(off)
+        # by the scatter between blocks
+        own = extended(moved), covariance, blocks - 1, blocks - 1, problem
+        ahead = left - np.concatenate([of @ slopes[:, own] for of, own in pairs])
+        contacts = map(problem.contact, without)
+        each = [*zip(contacts, (of.by_key for of in others), strict=True)]
+        return cls(*own, left=left, ahead=ahead, without=each)
 
     @property
     def design(self) -> Design:
@@ -438,16 +432,11 @@ def weigh(design: Design, *, backlash: bool = True) -> Selection:
         others = {"each": None if "each" in names else _with_own_forces(fit)}
         others |= {} if names else {"gradual": gradual}
         if not {"gradual", "each"} & {*names}:
-            closed = {
-                *names,
-                *(_KNEES if _KNEES & {*names} else ()),
-                *([] if backlash else ["gap"]),
-            }
+            closed = {*names, *(_KNEES if _KNEES & {*names} else ())}
+            closed |= set() if backlash else {"gap"}
             closed |= {"gap", "fall"} if "rounded" in names else set()
-            own = fit.problem.extensions
-            others |= {
-                of: slider(design, (*own, of), fit) for of in design.extensions if of not in closed
-            }
+            own, more = fit.problem.extensions, (of for of in design.extensions if of not in closed)
+            others |= {of: slider(design, (*own, of), fit) for of in more}
         ends = {of: end for of, end in others.items() if end is not None and _possible(end, fit)}
         best = min([fit, *ends.values()], key=lambda one: float(one.predicted.sum()))
 

@@ -59,12 +59,8 @@ class SpeedBasis:
         """Return the rows with the forces of the heaviest law."""
         fit, data = self.laws.fit, self.laws.fit.problem
         return {
-            "speeds": {
-                "velocity_m_per_s": data.v,
-                "force_N": data.F,
-                "force_standard_error_N": data.error,
-                "force_of_the_law_N": data.F + fit.left,
-            },
+            "speeds": {"velocity_m_per_s": data.v, "force_N": data.F}
+            | {"force_standard_error_N": data.error, "force_of_the_law_N": data.F + fit.left},
             "records": [{"record": name, "rows": n} for name, n in self.rows.items()],
         }
 
@@ -190,10 +186,8 @@ def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], list
 
 def weights_of(laws: Selection) -> dict[str, float]:
     """Return the weight of each law, by its name."""
-    weights = dict.fromkeys(_LAWS.values(), 0.0)
-    for symbol, name in _LAWS.items():
-        weights[name] += laws.weight(symbol)
-    return weights
+    weights = {name: laws.weight(symbol) for symbol, name in _LAWS.items()}
+    return weights | {"Stribeck": laws.weight("F_S") + laws.weight("exponential")}
 
 
 def _answer(laws: Selection) -> Answer:

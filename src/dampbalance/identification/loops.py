@@ -90,15 +90,12 @@ class LoopBasis:
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return what the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
         mu, interval = friction_coefficient(found)
+        contacts = {}
+        for name, fit in self.fits.items():
+            r, kappa = fit.contact.present
+            contacts[name] = {"r_m": r, "kappa_N_per_m": kappa, "residual_rms_N": fit.rms}
         return {
-            "contacts": {
-                name: {
-                    "r_m": fit.contact.r[fit.contact.kappa > 0.0],
-                    "kappa_N_per_m": fit.contact.kappa[fit.contact.kappa > 0.0],
-                    "residual_rms_N": fit.rms,
-                }
-                for name, fit in self.fits.items()
-            },
+            "contacts": contacts,
             "friction_coefficient": mu,
             "friction_coefficient_interval": interval,
             "history": loop_history(found).to_dict("list"),
@@ -167,12 +164,8 @@ def loop_contact(found: Result[LoopBasis]) -> dict[str, float]:
     >>> [*loop_contact(found)], round(loop_contact(found)["F_k"], 1)
     (['F_k', 'K_z', 'c'], 10.0)
     """
-    c = found.values.get("c", 0.0)
-    return {
-        "F_k": found.values["F_k"],
-        "K_z": found.values["K_z"],
-        "c": max(c, 0.0) if c == c else 0.0,
-    }
+    known = {symbol: found.values[symbol] for symbol in (FRICTION, "K_z")}
+    return {**known, "c": float(np.fmax(found.values.get("c", 0.0), 0.0))}
 
 
 def loop_sliders(found: Result[LoopBasis]) -> dict[str, Array]:
@@ -195,8 +188,7 @@ def loop_sliders(found: Result[LoopBasis]) -> dict[str, Array]:
     fits = found.basis.fits
     fit = fits[found.answer.name]
     fit = fit if fit.contact.plain else fits["gradual"]
-    own = fit.contact.kappa > 0.0
-    return {"r": fit.contact.r[own], "kappa": fit.contact.kappa[own]}
+    return dict(zip(("r", "kappa"), fit.contact.present, strict=True))
 
 
 def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
@@ -390,13 +382,12 @@ def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
     fit: LoopFit = weighed.fit
     notes, design = list[Finding](), fit.design
     # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers
-    others = []
-    if name == "gradual":
-        fewer = (WITHIN[0], _SOFTEST), (_STIFFEST, WITHIN[1])
-        others = [
-            fit_gradual(design, SLIDERS // 2),
-            *(fit_gradual(design, within=w) for w in fewer),
-        ]
+    fewer = (
+        (SLIDERS // 2, WITHIN),
+        (SLIDERS, (WITHIN[0], _SOFTEST)),
+        (SLIDERS, (_STIFFEST, WITHIN[1])),
+    )
+    others = [fit_gradual(design, *of) for of in fewer if name == "gradual"]
 
     loads = [one.load / of.load for one, of in zip(fit.design.loops, loops, strict=True)]
     errors = np.sqrt(np.diag(weighed.covariance))

@@ -72,16 +72,16 @@ class SteppedBasis:
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return the contact that the lines support, the sliders of each, and the tables."""
         compared: dict[str, Any] = {}
-        if self.compared is not None:
+        if (of := self.compared) is not None:
             compared = {
-                "supported": self.compared.supported,
-                "words": sentence(_supported(self.compared), found.coordinate),
+                "supported": of.supported,
+                "words": sentence(_supported(of), found.coordinate),
             }
+        sliders = {name: fit.all_sliders for name, fit in self.fits.items()}
         return {
             "comparison": compared,
             "contacts": {
-                name: {"r_m": fit.all_sliders.r, "kappa_N_per_m": fit.all_sliders.kappa}
-                for name, fit in self.fits.items()
+                name: {"r_m": of.r, "kappa_N_per_m": of.kappa} for name, of in sliders.items()
             },
             "records": [
                 {"record": name, "lines": int(np.sum(self.table_of == i))}
@@ -230,9 +230,8 @@ def identify_joint(
     contacts, compared = _CONTACTS if contact == "both" else (contact,), None
     if contact == "both" and len(lines.names) > 2:
         compared = compare_contacts(lines, **asked)
-        fits = {
-            name: compared.fits[name] for name in dict.fromkeys([compared.supported, *contacts])
-        }
+        own = dict.fromkeys([compared.supported, *contacts])
+        fits = {name: compared.fits[name] for name in own}
     else:
         fits = {name: fit_contact(lines, contact=name, **asked) for name in contacts}
     first = next(iter(fits.values()))
@@ -355,8 +354,10 @@ def _answer(
     if compared is not None and name == compared.supported:
         answer = averaged(answer, compared.selection)
     # none of them is negative
-    ends = {s: Interval(max(low, 0.0), high) for s, (low, high) in answer.intervals.items()}
-    parameters = {s: replace(p, interval=ends[s]) for s, p in answer.parameters.items()}
+    parameters = {
+        s: replace(p, interval=Interval(max(p.interval.low, 0.0), p.interval.high))
+        for s, p in answer.parameters.items()
+    }
     return replace(answer, parameters=parameters)
 
 
@@ -383,13 +384,9 @@ def _supported(compared: ContactComparison) -> Finding:
     name, fit = compared.supported, compared.fits[compared.supported]
     left = fit.problem.misfit(fit.point)
     others = (n for n, weight in compared.weights.items() if n != name and weight > 1.0 - CLEAR)
-    numbers = {"loss": left.loss, "stiffness": left.in_phase, "weight": compared.weights[name]}
-    of = {
-        "contact": _WORDS.get(fit.problem.contact, "one slider"),
-        "terms": fit.terms,
-        "others": tuple(others),
-    }
-    return Finding("contact", numbers | of)
+    of = {"loss": left.loss, "stiffness": left.in_phase, "weight": compared.weights[name]}
+    of |= {"contact": _WORDS.get(fit.problem.contact, "one slider"), "terms": fit.terms}
+    return Finding("contact", of | {"others": tuple(others)})
 
 
 def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:

@@ -137,6 +137,12 @@ class Sliders:
         return math.isinf(self.n) and not self.v_0
 
     @property
+    def present(self) -> tuple[Array, Array]:
+        """r and κ of the elements whose stiffness is not zero."""
+        own = self.kappa > 0.0
+        return self.r[own], self.kappa[own]
+
+    @property
     def K_z(self) -> float:
         """Stiffness of the contact before anything slips, N/m."""
         return float(np.sum(self.kappa))
