@@ -24,6 +24,7 @@ import numpy as np
 
 from ..arrays import Array, Complexes, Mask
 from ..law.contact import describing, play
+from ..law.terms import FRICTION, term
 from ..signals.record_harmonics import RecordHarmonics
 
 _STIFFNESSES = np.geomspace(0.1, 1e5, 19)  # of K_z/k
@@ -160,3 +161,13 @@ def _peak_and_viscous(one: RecordHarmonics) -> tuple[float, float]:
     x = np.where(one.clear, one.x, 0.0)
     squares = np.maximum(np.abs(x) ** 2 - 2.0 * one.x_error**2, 0.0)
     return float(np.max(_waveform(one))), math.pi * one.omega * float(squares @ one.n**2)
+
+
+def equivalent_coefficient(symbol: str, one: RecordHarmonics, k: float) -> float:
+    """Return the coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its
+    fundamental."""
+    if symbol == FRICTION:
+        return 1.0
+    X = abs(one.x[0])
+    viscous: float = math.pi * one.omega * X**2
+    return viscous / float(term(symbol).harmonic(one.omega, X, 0.0, 0.0, k))

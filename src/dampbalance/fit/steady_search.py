@@ -15,8 +15,8 @@ from ..signals.record_harmonics import RecordHarmonics
 from .climb import MOST_EVALUATIONS
 from .multistart import Trail, climb_on, multistart
 from .parameters import Parameters
-from .starts import starts
-from .waveforms import SHARED, STIFFEST, HarmonicProblem, WaveformFit, equivalent_coefficient
+from .starts import equivalent_coefficient, starts
+from .waveforms import SHARED, STIFFEST, HarmonicProblem, WaveformFit
 
 _STARTS = (4, 12)  # of the candidates, the closest first, and of those of more masses
 _SOFTENING = (1e-2, 1e-3)  # parts of the amplitudes added to their errors: a smooth way down

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, Complexes, Integers, Mask
 from ..law.law import Law
-from ..law.terms import FRICTION, term
+from ..law.terms import FRICTION
 from ..model import BaseMotion, NoOscillator, Oscillator
 from ..motion.law_steady import Further, Response, added_by_base, steady_response
 from ..motion.orbit import NoSteadyOrbit
@@ -43,7 +43,7 @@ from .nuisances import FALLING, FOLDED, FORCES, NUISANCES, read_by_channels, uni
 from .parameters import Parameter, Parameters
 from .score import Departure, departures_from
 from .select import noise_of
-from .starts import Shares
+from .starts import Shares, equivalent_coefficient
 
 NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 """Errors of a point that has no motion to fit: no steady orbit, which is an ArithmeticError like a division by zero on
@@ -421,16 +421,6 @@ class HarmonicProblem:
             return fit if fit.responses else None
         except NO_MOTION:
             return None
-
-
-def equivalent_coefficient(symbol: str, one: RecordHarmonics, k: float) -> float:
-    """Return the coefficient of a term that dissipates about as much in a record as a damper of 1 N s/m, from its
-    fundamental."""
-    if symbol == FRICTION:
-        return 1.0
-    X = abs(one.x[0])
-    viscous: float = math.pi * one.omega * X**2
-    return viscous / float(term(symbol).harmonic(one.omega, X, 0.0, 0.0, k))
 
 
 class WaveformFit(OscillatorFit):
