@@ -41,7 +41,7 @@ def test_the_damping_of_a_decay_is_read_at_its_amplitude(slope, other):
     assert windows["X_m"].to_numpy() == pytest.approx(at, rel=2e-3)
 
 
-PREDICTED = (-0.0927, -0.112, 1.32)  # relative error after the blow: mean, worst; best factor
+PREDICTED = (-0.0975, -0.1241, 1.33)  # relative error after the blow: mean, worst; best factor
 
 
 def test_the_readme_quotes_the_numbers_of_the_records():
@@ -58,13 +58,13 @@ def test_the_numbers_of_the_records(tmp_path):
     # three digits are noted
     assert sum(numbers["weights"].values()) == pytest.approx(1.0)
     values = {symbol: of["value"] for symbol, of in numbers["numbers"].items()}
-    assert values == pytest.approx({"F_k": 6.187, "c": 0.5547, "K_z": 36890.0}, rel=1e-2)
+    assert values == pytest.approx({"F_k": 5.327, "c": 0.5233, "K_z": 36330.0}, rel=1e-2)
     loss = {name: of["loss_rms"] for name, of in numbers["fits"].items()}
     assert loss == pytest.approx(
-        {"nothing": 0.0469, "residual receptance": 0.150, "hardening": 0.421}, rel=1e-2
+        {"nothing": 0.0457, "residual receptance": 0.151, "hardening": 0.552}, rel=1e-2
     )
     predicted = (numbers["off_mean"], numbers["off_worst"], numbers["best_factor"])
     assert predicted == pytest.approx(PREDICTED, rel=2e-2)
     page = (tmp_path / "beam.md").read_text(encoding="utf-8")
-    assert "deviates by -9.3 % on average and -11.2 % at worst" in page
+    assert "deviates by -9.8 % on average and -12.4 % at worst" in page
     assert (tmp_path / "beam.svg").is_file()
