@@ -120,5 +120,6 @@ def test_an_overload_at_a_blow_is_left_out(recovers):
     found = identify({"time_s": a.t, "acceleration_m_per_s2": values}, osc.k)
     for symbol in ("F_k", "c", "K_z"):
         true, error = getattr(osc, symbol), found.standard_errors[symbol]
-        assert abs(found.values[symbol] - true) < ERRORS * error < 0.02 * true, symbol
+        # a contact that yields gradually stays possible, as without the overload: 0.7 % of K_z
+        assert abs(found.values[symbol] - true) < ERRORS * error < 0.03 * true, symbol
         assert found.verdicts[symbol].verdict == "usable"

@@ -32,8 +32,8 @@ from ..signals.bursts import Burst, Signal, bursts_of, sharpest
 from ..signals.thresholds import NEVER, P_OF_THE_MODEL, P_STEP_BACK, SIGNIFICANT
 from ..solver import NORMAL_95
 from .climb import MOST_EVALUATIONS, Climb
-from .decay import STATE, Decay, DecayFit, DecayProblem, offset_of, with_noise_of
-from .multistart import climbs, likely, multistart, profile
+from .decay import FURTHER, STATE, Decay, DecayFit, DecayProblem, offset_of, with_noise_of
+from .multistart import climb_on, climbs, likely, multistart, profile
 from .parameters import Parameters
 from .swings import SLOWER, Swings
 
@@ -131,14 +131,14 @@ def _of_burst(
     fit = _grown([whole.cut(starts[0], whole.end)], swings, blank, surest) if starts else None
     if fit is None:
         return None
-    if not fit.white:
+    wide = _whitened(fit)
+    if wide is None:
         fit = _band_from_earliest(whole, swings, starts, fit) or fit
         # from there all the band may be white after all
         unfiltered = replace(fit.problem, band=None)
-        wide = unfiltered.climb(unfiltered.posed(fit.parameters))
-        fit = wide if wide is not None and wide.white else fit
-    if fit.white:
-        fit = with_noise_of(_from_earlier(with_noise_of(fit), burst.earliest))
+        wide = _whitened(unfiltered.climb(unfiltered.posed(fit.parameters)))
+    if wide is not None:
+        fit = with_noise_of(_from_earlier(with_noise_of(wide), burst.earliest))
     if fit.problem.samples < _FEWEST_SAMPLES:
         return None
     # else the swing was not that of a free motion
@@ -157,8 +157,9 @@ def _of_excerpts(whole: Decay, swings: Swings, blank: DecayProblem) -> DecayFit 
         print(f"fitting excerpts of a decay of {of_cycles:,} cycles …", file=sys.stderr)
     parts = [replace(one, whole=None, of_cycles=of_cycles) for one in parts]
     fit = _grown(parts, swings, blank)
-    if fit is None or fit.white:
-        return fit and with_noise_of(fit)
+    white = _whitened(fit)
+    if fit is None or white is not None:
+        return white and with_noise_of(white)
     # what is not white may have led it astray, to an early rest
     problem = replace(fit.problem, decays=tuple(parts))
     F_k, c, m = swings.oscillator(blank.k)
@@ -436,6 +437,21 @@ def profiled(fit: DecayFit) -> DecayFit:
             fit = best
     inside = [one for one in along if one.chi_square < fit.chi_square + _IN_INTERVAL]
     return replace(fit, minima=(*fit.minima, *inside))
+
+
+def with_one_more(fit: DecayFit) -> DecayFit | None:
+    """Return the fit with that of `FURTHER` freed that lowers χ² most; None where none can be followed."""
+    thin = fit.problem.thinned()
+    starts = [fit.parameters.freed(s) for s in FURTHER if s not in fit.further]
+    ends = filter(None, (climb_on(thin, start, gain=_ROUGH, most=12) for start in starts))
+    best = min(ends, key=lambda end: end.chi_square, default=None)
+    return None if best is None else fit.problem.climb(best.parameters)
+
+
+def _whitened(fit: DecayFit | None) -> DecayFit | None:
+    """Return the fit, or else that with one more coefficient, if its residual is white; None where it is not."""
+    more = fit if fit is None or fit.white else with_one_more(fit)
+    return more if more is not None and more.white else None
 
 
 def slips_of(fit: DecayFit) -> int:
