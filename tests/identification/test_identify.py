@@ -109,8 +109,9 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
     stiff = replace(PAPER, K_z=2e7)
     found = identified(readings(noise=0.03, rate_hz=1000.0, channels=THREE[:2], osc=stiff))
     assert not found.document()["microstick"]["resolved"]
-    (warning,) = found.findings
-    assert warning.code == "unresolved"
+    # one noise leaves it open whether friction changes with the speed
+    assert found.findings[0].code == "unresolved"
+    assert {one.code for one in found.findings[1:]} <= {"weighs"}
     K_z = found.answer.K_z
     assert K_z.interval.high == math.inf
     assert 0.0 < K_z.interval.low < stiff.K_z
@@ -389,11 +390,13 @@ def test_harmonics_above_half_the_sampling_rate_move_no_number():
 
 
 def test_the_interval_of_K_z_is_that_of_its_inverse_root():
-    """K_z^{−1/2} has an interval that is symmetric about its estimate, and K_z takes its ends over."""
+    """K_z^{−1/2} has an interval that is symmetric about its estimate, as far as light models leave it so, and K_z
+    takes its ends over."""
     K_z = identify_readings(readings(noise=0.003), PAPER.k).answer.K_z
     low, high = K_z.interval
     assert low < K_z.value < high < math.inf
-    assert 0.5 * (low**-0.5 + high**-0.5) == pytest.approx(K_z.value**-0.5, rel=1e-9)
+    ends = high**-0.5, low**-0.5
+    assert 0.5 * sum(ends) == pytest.approx(K_z.value**-0.5, abs=1e-3 * (ends[1] - ends[0]))
 
 
 @pytest.mark.parametrize(

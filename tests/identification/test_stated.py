@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -140,8 +141,8 @@ def test_a_report_says_once_on_what_its_numbers_depend(records):
 
 
 def of_no_oscillator(errors=None):
-    """Levels whose friction differs by a factor of five: no oscillator responds like them."""
-    forces = (0.5, 2.5, 1.0)
+    """Levels whose friction differs by more than half: no oscillator responds like them."""
+    forces = (1.0, 1.6, 1.2)
     pairs = zip(LEVELS[::2], forces, strict=True)
     orbits = [orbits_at(3.5, (Y,), replace(PAPER, F_k=F_k))[0] for Y, F_k in pairs]
     channels = {"rate_hz": 1000.0, "cycles": 20.0, "channels": THREE[:2]}
@@ -150,20 +151,19 @@ def of_no_oscillator(errors=None):
 
 
 def test_uncertainties_are_stated_for_records_that_no_oscillator_fits():
-    """The shifts of such a fit are not known; those of the balance are."""
+    """W, and c with it, is in proportion to k and to the drive; that of a fit to the fundamentals nearly so."""
     gain = {"base_displacement": {"gain_error": 0.01}}
     plain, *both = (
         identify(of_no_oscillator(errors), stiffness)
         for errors, stiffness in (({}, 2310.0), ({}, "2310±23.1"), (gain, 2310.0))
     )
     assert not plain.basis.common.waveforms_hold
-    fit, direct = (plain.approaches[name] for name in ("maximum likelihood", "direct"))
-    for stated in both:
-        assert stated.approaches["maximum likelihood"].standard_errors == fit.standard_errors
-        with_it = stated.approaches["direct"].standard_errors["c"]
-        added = math.sqrt(with_it**2 - direct.standard_errors["c"] ** 2)
-        # W, and c with it, is in proportion to k and to the drive
-        assert added == pytest.approx(0.01 * abs(direct.values["c"]), rel=0.02)
+    for stated, (name, near) in itertools.product(
+        both, {"maximum likelihood": 0.15, "direct": 0.02}.items()
+    ):
+        before, after = (one.approaches[name].standard_errors["c"] for one in (plain, stated))
+        c = plain.approaches[name].values["c"]
+        assert math.sqrt(after**2 - before**2) == pytest.approx(0.01 * c, rel=near), name
 
 
 def test_a_mass_that_the_fit_takes_adds_its_uncertainty():
@@ -195,7 +195,9 @@ def test_a_weighed_mass_doubts_nothing_that_it_does_not_move(noise):
         assert weighed.values == free.values
         (said,) = (one.numbers["masses"] for one in weighed.rig if one.code == "masses")
         assert said == pytest.approx((2.42, 2.418), abs=5e-3)
-    assert {v.verdict for v in wrong.verdicts.values()} == {"doubtful"}
+    # beside the noise of K_z a sixth of it is nothing
+    for symbol, v in wrong.verdicts.items():
+        assert v.verdict == "doubtful" or (symbol == "K_z" and v.within > 1.0 - 2.0 / 2.42)
     (why,) = (one for one in wrong.verdicts["F_k"].findings if one.code == "mass")
     assert why.effect[""] == pytest.approx(1.0 - 2.0 / 2.42, abs=0.01)
 
@@ -208,7 +210,7 @@ def test_a_drift_is_in_the_intervals_and_doubts_nothing(drift, part):
     grown = x * (1.0 + drift * (t / t[-1] - part))
     plain = identify(records, PAPER.k)
     found = identify([changed(records[0], "displacement", values=grown), *records[1:]], PAPER.k)
-    assert found.findings[0].code in ("unsettled", "settles")
+    assert {"unsettled", "settles"} & {one.code for one in found.findings}
     assert {found.verdicts[s].verdict for s in ("F_k", "c")} == {"usable"}
     for name in ("maximum likelihood", "direct"):
         answer, before = found.approaches[name], plain.approaches[name].standard_errors

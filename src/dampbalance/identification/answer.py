@@ -301,7 +301,8 @@ def averaged(answer: Answer, selection: Selection) -> Answer:
     of = dict(zip(selection.keys, numbers, strict=True))
     parameters = {s: p.averaged(*of[s]) if s in of else p for s, p in answer.parameters.items()}
     merit = dict(answer.merit)
-    if "m" in of and "m_kg" in merit:
+    # an m that the models leave open, even its sign, stays that of the fit
+    if "m" in of and of["m"][1] < of["m"][0] and "m_kg" in merit:
         merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / of["m"][0])
         merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
     if "rho" in of:
