@@ -206,6 +206,7 @@ def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
         "--details",
         "--output",
         str(tmp_path),
+        code=1,  # many sliders made the table: of one alone all numbers are doubtful
     )
     assert "75 lines at 5 levels" in said
     document = json.loads((tmp_path / "identification.json").read_text(encoding="utf-8"))
