@@ -88,6 +88,8 @@ def fit_fundamentals(
     harmonics hardly count.   near : a fit to begin with.
     """
     problem = HarmonicProblem(law or Law(), tuple(lines), k)
+    if len(lines) <= len(problem.law.unknowns):  # their losses are then met by any law
+        return None
     clear = float(np.median([abs(one.x[0]) / one.x_error[0] for one in lines]))
     problem = replace(problem, scales=(1.0, max(1.0, _FAINT * clear)))
     points = [problem.start(one) for one in starts(lines, k, problem.shares)[: _STARTS[False]]]
