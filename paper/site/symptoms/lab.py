@@ -157,8 +157,8 @@ FAULTS = {
     "c_2": Fault(
         "damping of 60 N s²/m² on top", lambda Y: steady_response(TRUTH, _motion(Y), {"c_2": 60.0})
     ),
-    "k_3": Fault("the spring has k_3 = 8·10⁶ N/m³", _with(lambda Y: Further(k_3=8e6))),
-    "gradual": Fault("twelve contacts yield one after the other", _gradual, noise=2e-4),
+    "k_3": Fault("the spring has k_3 = 2·10⁶ N/m³", _with(lambda Y: Further(k_3=2e6))),
+    "gradual": Fault("twelve contacts yield one after the other", _gradual, noise=1e-3),
     "unsettled": Fault("the record begins when the shaker is switched on", _from_rest, span=CYCLES),
     "clipped": Fault("the amplifier ends at 80 % of the motion", recorder=_clipped),
     "spikes": Fault("a spike every seventh cycle", channels=_spiky, span=12),

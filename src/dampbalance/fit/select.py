@@ -44,8 +44,9 @@ CLEAR = 0.9
 NOISE_ALONE = 1e-4
 """Probability of a χ² below which the best model leaves more than noise."""
 
-_MOST = 3
-"""Departures of a model at most: of more the data tell nothing."""
+_MOST, _MOST_FAR = 3, 4
+"""Departures of a model at most: of more the data tell nothing. Candidates that are fitted where none of the models
+explains the data."""
 
 
 class Prior(NamedTuple):
@@ -177,8 +178,11 @@ class Selection:
 
     def speaks_for(self, name: str) -> bool:
         """Return whether the records speak for a model by a factor of e, which then has a weight above `REFITTED`."""
-        evident = any(one.evidence > 1.0 for one in self.models if one.name == name)
-        return evident and self.weight(name) > REFITTED
+        return self.evidence(name) > 1.0 and self.weight(name) > REFITTED
+
+    def evidence(self, name: str) -> float:
+        """Return ln of the Bayes factor of a model by name."""
+        return next(one.evidence for one in self.models if one.name == name)
 
     @property
     def values(self) -> Array:
@@ -260,14 +264,18 @@ def select(
     failed: set[str] = set()
     while True:
         found = _weighed(fit, known, fits, keys, independent, noise, certain, departures)
-        asked = [
-            one
-            for one in known
-            if found.speaks_for(one.name) and one.name not in fits and one.name not in failed
-        ]
+        left = [one for one in known if one.name not in fits and one.name not in failed]
+        asked = [one for one in left if found.speaks_for(one.name)]
+        # far from the data the first order is no guide to which of the likeliest explains them
+        if (
+            not asked
+            and len(fits) < _MOST_FAR
+            and noise_of(found.fit.chi_square, found.fit.freedom) > 1.0
+        ):
+            asked = [one for one in left if found.evidence(one.name) > 1.0]
         if not asked:
             break
-        one = max(asked, key=lambda one: found.weight(one.name))
+        one = max(asked, key=lambda one: found.evidence(one.name))
         end = one.fitted()
         if end is None:
             failed.add(one.name)

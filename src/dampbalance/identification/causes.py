@@ -54,7 +54,7 @@ def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
     said = [one for one in weighed_of(selection) if one.name in names]
     sizes, units = {one.name: abs(one.size) for one in said}, sizes_in(fit)
     for one in said:
-        if one.name in units and _too_large(one.size, one.error, one.name, units):
+        if one.name in units and not fit.holds and _too_large(one.size, one.error, one.name, units):
             return UNBOUNDED
     if "gain" in sizes and not any(one.of_base for one in fit.lines):
         doubts = {key: sizes["gain"] for key in fit.law.unknowns if key.symbol == FRICTION}
@@ -113,7 +113,7 @@ def candidates(
         if name == FRAME:
             return 0.5 * fall
         value, error = end.value(name), end.error(name)
-        if _too_large(value, error, name, units):
+        if not end.holds and _too_large(value, error, name, units):
             return -math.inf
         return bayes_factor(value, error, prior_of(name), fall)[0]
 
@@ -126,9 +126,9 @@ def candidates(
         found = [end for one in ends if (end := _converged(one)) is not None]
         return min(found, key=lambda one: one.chi_square, default=None)
 
-    # what explains less than a third of what noise does not is not why the fit fails
+    # what explains less than a tenth of what noise does not is not why the fit fails
     as_read = max(fit.problem.scales) == 1.0 and not fit.adequate
-    excess = 0.3 * (fit.chi_square - fit.freedom) if as_read else 0.0
+    excess = 0.1 * (fit.chi_square - fit.freedom) if as_read else 0.0
     tested = {name: one for name, one in fit.departures.items() if one.size**2 >= excess}
     # a damper to the base and one to the ground together make up for any delay
     barred = {"delay"} if {"c", "c_r"} <= set(fit.law.unknowns) else set()
