@@ -37,7 +37,8 @@ def test_the_numbers_of_the_records(tmp_path):
     assert values == pytest.approx({"F_k": 2.386, "K_z": 40210.0}, rel=1e-3)
     assert wear["friction_coefficient"] == pytest.approx(0.477, abs=5e-4)
     assert wear["by_hand"] == pytest.approx({"F_k": 2.38, "K_z": 42.0e3, "loss": 5.33e-4}, rel=1e-2)
-    assert {one["verdict"] for one in damper["numbers"].values()} == {"doubtful"}
+    # the interval of K_z is wider than what another shape of the loop may do to it
+    assert {damper["numbers"][symbol]["verdict"] for symbol in ("F_k", "c")} == {"doubtful"}
     page = (tmp_path / "loops.md").read_text(encoding="utf-8")
     assert "μ = F_k/N = 0.477" in page
     assert (tmp_path / "response.svg").is_file()
