@@ -64,8 +64,8 @@ def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
 
 
 def unseen_turns(selection: Selection) -> Iterator[Finding]:
-    """Yield a finding for each turn of the phase that may take half of a number or more, where the harmonics, which
-    would tell it from damping, are not those of the oscillator."""
+    """Yield a finding for each turn of the phase that the records rather have, and that may take half of a number or
+    more, where the harmonics, which would tell it from damping, are not those of the oscillator."""
     plain, keys = selection.models[0], selection.fit.law.unknowns
     if max(selection.fit.problem.scales) == 1.0:
         return
@@ -74,7 +74,7 @@ def unseen_turns(selection: Selection) -> Iterator[Finding]:
         spread = np.sqrt(by**2 + np.maximum(np.diag(one.covariance - plain.covariance), 0.0))
         parts = zip(selection.keys, (spread / np.abs(plain.values)).tolist(), strict=False)
         effect = {key: part for key, part in parts if key in keys and part > 0.5}
-        if one.name in TURNS and effect:
+        if one.name in TURNS and effect and one.evidence > 0.0:
             what = (departure(one.name, *one.size),)
             yield Finding("weighs", {"what": what, "weight": weight, "clear": False}, effect)
 
