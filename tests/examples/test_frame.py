@@ -96,9 +96,9 @@ def test_the_numbers_of_the_records(tmp_path):
         assert row["drifts"] == drifts
         # two digits of a difference
         assert [*row["rms"].values()] == pytest.approx(errors, rel=8e-2)
-        # what no oscillator explains leaves the balance its drive and its travel
-        assert row["verdict"] == "usable"
-        assert 0.02 < row["within"] < 0.05
+        # the travel that sticking takes is that of an oscillator which does not explain the records
+        assert row["verdict"] == "doubtful"
+        assert 0.05 < row["within"] < 0.12
     page = (tmp_path / "frame.md").read_text(encoding="utf-8")
     assert "grows within the record at 350 g, 450 g, 550 g" in page
     assert (tmp_path / "frame.svg").is_file()
