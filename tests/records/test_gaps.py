@@ -120,7 +120,8 @@ def test_what_is_missing_is_left_out_and_said(kind, defect):
     assert found.verdicts["F_k"].verdict == "usable"
     of = {(one.code, one.numbers.get("count"), one.numbers.get("places")) for one in found.findings}
     assert said in of
-    assert {one.code for one in whole.findings} <= {code for code, *_ in of}
+    # a departure that may be there is said from a weight on, which samples left out change
+    assert {one.code for one in whole.findings} - {"weighs"} <= {code for code, *_ in of}
 
 
 def test_the_balance_of_a_decay_with_a_gap_is_that_without():
