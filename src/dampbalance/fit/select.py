@@ -236,9 +236,7 @@ def select(
     candidates: Sequence[Candidate],
     keys: Sequence[str],
     *,
-    independent: float = math.inf,
     noise: float | None = None,
-    certain: bool = False,
     further: Callable[[Any, tuple[str, ...]], Sequence[Candidate]] | None = None,
     departures: tuple[str, ...] = (),
 ) -> Selection:
@@ -248,9 +246,7 @@ def select(
 
     fit : of the plain model, with `chi_square` and `freedom` in units of the noise.   keys : of the numbers, as
     `value` and `covariance_of` of the fits take them; a candidate known to first order has them in its slopes.
-    independent : number of independent values in what a model leaves beyond the noise; default, as many as data.
     noise : square of the scale of the noise, where it is known; default, by what the best model leaves.
-    certain : whether there is a departure for certain, as where the noise of the data has been scaled by it.
     further : candidates beyond a fit with some departures, for a second one from the first; default, none.
     departures : that the plain model has.
     """
@@ -263,7 +259,7 @@ def select(
     known = [one for one in candidates if one.tested is not None or one.name in fits]
     failed: set[str] = set()
     while True:
-        found = _weighed(fit, known, fits, keys, independent, noise, certain, departures)
+        found = _weighed(fit, known, fits, keys, noise, departures)
         left = [one for one in known if one.name not in fits and one.name not in failed]
         asked = [one for one in left if found.speaks_for(one.name)]
         # far from the data the first order is no guide to which of the likeliest explains them
@@ -288,9 +284,7 @@ def select(
     names = (*departures, best.name)
     more = select(
         *(best.fit, further(best.fit, names), keys),
-        independent=independent,
         noise=noise,
-        certain=certain,
         further=further,
         departures=names,
     )
@@ -357,9 +351,7 @@ def _weighed(
     candidates: Sequence[Candidate],
     fits: Mapping[str, Any],
     keys: tuple[str, ...],
-    independent: float,
     noise: float | None,
-    certain: bool,
     departures: tuple[str, ...],
 ) -> Selection:
     """Return the plain model and the candidates, some of which are fitted, with their weights."""
@@ -370,11 +362,11 @@ def _weighed(
         for one in candidates
         if one.tested is not None and one.name not in fits
     ]
-    noise = noise or min(noise_of(*of, independent) for of in left)
+    noise = noise or min(noise_of(*of) for of in left)
     values = np.array([fit.value(key) for key in keys])
     covariance = noise * fit.covariance_of(*keys)
     shares = math.fsum(one.prior.share for one in candidates)
-    own = (shares or 1.0) if certain or noise > 1.0 else max(1.0 - shares, shares)
+    own = (shares or 1.0) if noise > 1.0 else max(1.0 - shares, shares)
     models = [Model("", own, 0.0, values, covariance, fit)]
     for one in candidates:
         if one.name in fits:
