@@ -140,7 +140,7 @@ engine: $(ENGINE)/ready ## Compile the kernels anew to the WebAssembly with whic
 processors: setup ## Run the tests that compare closely as on processors without AVX-512, and without AVX2 and FMA
 	@$(TRIAL) processors --numprocesses auto --dist loadscope $(PYTEST_ARGS)
 
-mutants: setup ## Put errors into the method and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --number 20")
+mutants: setup ## Put errors into the package and see whether its tests notice (choose with MUTANTS_ARGS="motion/flow.py --number 20")
 	@$(TRIAL) mutation $(MUTANTS_ARGS)
 
 blind: setup ## Identify records of other make whose truth is known (choose with BLIND_ARGS="efficiency --drawings 50")

@@ -1,1 +1,1 @@
-"""Mutation testing: would the tests notice an error in the method? (`make mutants`)"""
+"""Mutation testing: would the tests notice an error in the package? (`make mutants`)"""

@@ -1,18 +1,18 @@
-"""Put errors into the method, one at a time, and see whether its tests notice.
+"""Put errors into the package, one at a time, and see whether its tests notice.
 
-    make mutants MUTANTS_ARGS="[MODULE …] [--number 100] [--seed 1] [--budget 60] [--output .mutants]"
+    make mutants MUTANTS_ARGS="[MODULE …] [--number 100] [--seed 1] [--budget 60] [--processes 2] [--output .mutants]"
 
-A sample of all mutants of the method (`METHOD`) is drawn by a seed and tried in a copy of the project. First all tests
-run without an error: how long each takes, which functions it calls, and which fail; these are left out. A mutant meets
-the tests that call its function, quickest first, until one fails. One that no test notices has survived: either a
-statement about behaviour is missing from the tests, or the code is not needed, or nobody could observe a difference:
-the mutant is equivalent, and `equivalent.yaml` says why. The table by room is written to `table.md`.
+A sample of all mutants of the package is drawn by a seed and tried in copies of the project, one for each process.
+First the tests of `make test` run without an error, except those of folders that start Snakemake or compare files:
+how long each takes, which functions it calls, and which fail; these are left out. A mutant meets the tests that call
+its function, quickest first, until one fails. One that no test notices has survived: either a statement about
+behaviour is missing from the tests, or the code is not needed, or nobody could observe a difference: the mutant is
+equivalent, and `equivalent.yaml` says why. The table by room is written to `table.md`.
 """
 
 from __future__ import annotations
 
 import argparse
-import functools
 import json
 import os
 import shutil
@@ -20,8 +20,11 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
 from itertools import accumulate
+from multiprocessing.pool import ThreadPool
 from pathlib import Path
+from queue import Queue
 from typing import Any
 
 import pandas as pd
@@ -33,14 +36,10 @@ from .mutants import Mutant, mutants
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = "src/dampbalance"
-ROOMS = (
-    *("motion", "law", "signals", "fit", "identification"),
-    *("records", "records/readers"),
-)
-METHOD = ("*.py", *(f"{room}/*.py" for room in ROOMS), "replication/claims/*.py")
-METHOD += ("replication/*verdicts.py", "studies/evaluate.py")
-# words in the paths of tests that say nothing about the method
-SHOWN = "repository workflow commands figures project publishing article notebook page recipe site"
+LEFT_OUT = (
+    "repository",
+    "workflow",
+)  # folders of tests that call the package in other processes, or never
 # An error in these has all kernels compiled anew.
 KERNELS = ("arguments.py", "arrays.py", "model.py", "record.py", "motion/")
 # Tests may take so many seconds, so many times what they took without an error, and so many to compile kernels.
@@ -55,13 +54,12 @@ class Bench:
 
     def __init__(self, folder: Path) -> None:
         self.project, self.report = folder / "project", folder / "report.json"
-        self.passing = functools.cache(self._passing)
         shutil.rmtree(self.project, ignore_errors=True)
         ignore = shutil.ignore_patterns(".*", "results", "*.pyc", "kernels-*")
         shutil.copytree(ROOT, self.project, ignore=ignore)
         paths = sorted(self.project.glob("tests/*/**/test_*.py"))
-        names = (path.relative_to(self.project).as_posix() for path in paths)
-        self.files = [name for name in names if not any(word in name for word in SHOWN.split())]
+        names = [path.relative_to(self.project) for path in paths]
+        self.files = [name.as_posix() for name in names if name.parts[1] not in LEFT_OUT]
 
     def run(self, *tests: str, limit: float | None = None) -> tuple[int, Any]:
         """Return (pytest's exit status, what `watch` recorded); TimeoutExpired after `limit` seconds."""
@@ -75,7 +73,7 @@ class Bench:
         command = [sys.executable, "-m", "pytest", "-q", "-p", "mutation.watch"]
         command += [
             "-m",
-            "not slow or computing",
+            "(not slow or computing) and not nightly",
             "-p",
             "no:cacheprovider",
             "-p",
@@ -88,7 +86,7 @@ class Bench:
         text = self.report.read_text("utf-8") if self.report.exists() else "{}"
         return done.returncode, json.loads(text)
 
-    def _passing(self, file: str) -> dict[str, Any]:
+    def passing(self, file: str) -> dict[str, Any]:
         """Return the records of the tests of a file that pass without an error in the package."""
         status, records = self.run(file)
         if status not in (0, 5):
@@ -96,12 +94,12 @@ class Bench:
             print("left out, as they fail without any error:", *(failed or [file]), flush=True)
         return {name: test for name, test in records.items() if {*test["outcomes"]} == {"passed"}}
 
-    def trial(self, mutant: Mutant, budget: float) -> tuple[str, str]:
+    def trial(self, mutant: Mutant, tests: dict[str, Any], budget: float) -> tuple[str, str]:
         """Return ("killed", the test that failed), ("timed out", "") or ("survived", the number of tests).
 
-        Tests that call the function of the mutant, or else its module, come first, then the others in their files.
+        tests : name → record of the tests that pass. Those that call the function of the mutant, or else its module,
+        come first, then the others in their files.
         """
-        tests = {n: test for file in self.files for n, test in self.passing(file).items()}
         own, module = f"{mutant.module}:{mutant.where}", f"{mutant.module}:"
         in_module = {n for n, t in tests.items() if any(c.startswith(module) for c in t["called"])}
         calling = {name for name in in_module if own in tests[name]["called"]} or in_module
@@ -132,10 +130,9 @@ def _file(test: str) -> str:
 
 
 def modules() -> list[str]:
-    """Return the modules of the method, below the package."""
+    """Return the modules of the package, below its folder."""
     package = ROOT / PACKAGE
-    paths = {path.relative_to(package) for pattern in METHOD for path in package.glob(pattern)}
-    return sorted(p.as_posix() for p in paths if "drawing" not in p.stem and p.stem[0] != "_")
+    return sorted(path.relative_to(package).as_posix() for path in package.rglob("*.py"))
 
 
 def mutants_of(module: str) -> list[Mutant]:
@@ -170,25 +167,44 @@ def table(trials: list[tuple[Mutant, str, str]], seed: int) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Try the mutants, print what became of them; 1 if fewer than `GOAL` were killed."""
-    parser = argparse.ArgumentParser(prog="mutation", description="Mutation testing of the method.")
+    parser = argparse.ArgumentParser(prog="mutation", description="Mutation testing.")
     parser.add_argument("modules", nargs="*", help="such as motion/flow.py (default: all)")
     parser.add_argument("--number", type=int, default=100, help="of mutants (%(default)s)")
     parser.add_argument("--seed", type=int, default=int(time.time()), help="default: by the clock")
     parser.add_argument("--budget", type=float, default=60.0, help="seconds of tests (%(default)s)")
+    parser.add_argument("--processes", type=int, default=1, help="at a time (%(default)s)")
     parser.add_argument("--output", type=Path, default=ROOT / ".mutants")
     options = parser.parse_args(arguments)
     if unknown := {*options.modules} - {*modules()}:
-        parser.error(f"no modules of the method: {unknown}; known are {', '.join(modules())}")
+        parser.error(f"no modules of the package: {unknown}; known are {', '.join(modules())}")
     every = [mutant for module in options.modules or modules() for mutant in mutants_of(module)]
     drawn = sorted(every, key=lambda mutant: mutant.rank(options.seed))[: options.number]
     print(f"{len(drawn)} of {len(every)} mutants, seed {options.seed}", flush=True)
-    bench, trials = Bench(options.output), []
-    for mutant in drawn:
-        reason = equivalent(mutant)
-        trial = ("equivalent", reason) if reason else bench.trial(mutant, options.budget)
-        trials.append((mutant, *trial))
-        print(f"{trial[0]:10} {mutant} ({trial[1]})", flush=True)
-        (options.output / "table.md").write_text(table(trials, options.seed), encoding="utf-8")
+    benches: Queue[Bench] = Queue()
+    for i in range(options.processes):
+        benches.put(bench := Bench(options.output / str(i)))
+
+    def lent(work: Callable[[Bench], Any]) -> Any:
+        bench = benches.get()
+        try:
+            return work(bench)
+        finally:
+            benches.put(bench)
+
+    trials, tests = [], {}
+    with ThreadPool(options.processes) as pool:
+        for found in pool.imap(lambda file: lent(lambda b: b.passing(file)), bench.files):
+            tests |= found
+
+        def tried(mutant: Mutant) -> tuple[Mutant, str, str]:
+            if reason := equivalent(mutant):
+                return mutant, "equivalent", reason
+            return (mutant, *lent(lambda b: b.trial(mutant, tests, options.budget)))
+
+        for mutant, verdict, by in pool.imap(tried, drawn):
+            trials.append((mutant, verdict, by))
+            print(f"{verdict:10} {mutant} ({by})", flush=True)
+            (options.output / "table.md").write_text(table(trials, options.seed), encoding="utf-8")
     print(f"\n{table(trials, options.seed)}")
     of = Counter(verdict for _, verdict, _ in trials)
     return int(of["survived"] > (1.0 - GOAL) * (len(trials) - of["equivalent"]))
