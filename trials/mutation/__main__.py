@@ -76,8 +76,6 @@ class Bench:
             "(not slow or computing) and not nightly",
             "-p",
             "no:cacheprovider",
-            "-p",
-            "no:xdist",
             *tests,
         ]
         done = subprocess.run(
