@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 import math
-import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from dampbalance import read_records
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import read
 from records.workbooks import row, xlsx
 
 RATE = 20000.0
 T = np.arange(4000) / RATE
-Y = np.round(4.0 * np.cos(2.0 * math.pi * 35.0 * T), 6)  # mm
-A = np.round(
-    1.5 * np.sin(2.0 * math.pi * 35.0 * T) + 0.2 * np.sin(2.0 * math.pi * 105.0 * T), 6
-)  # g
+Y = np.round(4.0 * np.cos(70.0 * math.pi * T), 6)  # mm
+A = np.round(1.5 * np.sin(70.0 * math.pi * T) + 0.2 * np.sin(210.0 * math.pi * T), 6)  # g
 G = 9.80665
 START = pd.Timestamp("2026-03-01T23:59:59.9")
 
@@ -118,44 +115,23 @@ def _several(folder: Path) -> Path:
     return folder / "run.csv"
 
 
-def _several_kinds(folder: Path) -> Path:
-    frame = _frame(T, "time [s]")
-    frame[["time [s]", "base [mm]"]].to_csv(folder / "run.csv", index=False)
-    spans = frame[["acc [g]"]].set_index(SPANS)
-    spans.to_parquet(folder / "run.parquet")
-    (folder / "run.csv.yaml").write_text(
-        "channels:\n  acceleration: {channel: 'acc [g]', file: run.parquet}\n"
-        "  base_displacement: {channel: base}\n",
-        encoding="utf-8",
-    )
-    return folder / "run.csv"
-
-
 SPANS = pd.to_timedelta(np.round(T * 1e9), unit="ns")
 
-EXACT = {
-    "ISO 8601": lambda folder: _csv(folder, _iso()),
+CORPUS = {
+    "ISO 8601": lambda folder: _csv(folder, _iso(), "timestamp"),
     "ISO 8601 with a zone": lambda folder: _csv(folder, _iso("+01:00")),
-    "ISO 8601 in UTC": lambda folder: _csv(folder, _iso("Z"), "timestamp"),
     "points in time of pandas": lambda folder: _csv(folder, _points("us"), ""),
     "time of day over midnight": lambda folder: _csv(folder, _of_day()),
     "date and time of day": _two_columns,
     "Windows, decimal comma": _german,
     "spans of pandas": lambda folder: _csv(folder, [str(span) for span in SPANS]),
-    "Parquet, points in time": lambda folder: _parquet(folder, _points()),
     "Parquet, points in time with a zone": lambda folder: _parquet(folder, _points("us").tz_localize("Europe/Berlin")),
     "Parquet, spans": lambda folder: _parquet(folder, SPANS),
     "a file for each channel": _several,
-    "a file for each channel, of several kinds": _several_kinds,
-}  # fmt: skip
-
-CORPUS = {
-    **EXACT,
     "spreadsheet": _sheet_of_numbers,
     "LabVIEW without times": lambda folder: _lvm(folder, "No"),
-    "LabVIEW with times": lambda folder: _lvm(folder, "One"),
-    "LabVIEW, decimal comma": lambda folder: _lvm(folder, "No", comma=True),
-}
+    "LabVIEW with times, decimal comma": lambda folder: _lvm(folder, "One", comma=True),
+}  # fmt: skip
 
 
 @pytest.mark.filterwarnings("ignore:.*channels not used. 'date'")
@@ -173,10 +149,7 @@ def test_a_file_of_a_laboratory_gives_its_signals(tmp_path, kind):
 
 def test_dates_of_a_spreadsheet_give_the_rate(tmp_path):
     """They are parts of a day, with 15 digits: microseconds; the library rounds them to milliseconds."""
-    with pytest.warns(
-        RecordWarning,
-        match=r"'when' is rounded to 0\.001 s at steps of 0\.0005 s: a straight line .* 1999\.99",
-    ):
+    with pytest.warns(RecordWarning, match=r"rounded to 0\.001 s at steps of 0\.0005 s.* 1999\.99"):
         measurement = read(_sheet_of_dates(tmp_path))
     t = measurement["base_displacement"].t
     # what the warning says is off at the most: 1.5 ms in the 2 s of the record
@@ -184,62 +157,30 @@ def test_dates_of_a_spreadsheet_give_the_rate(tmp_path):
     np.testing.assert_allclose(measurement["base_displacement"].values, 1e-3 * Y, rtol=1e-15)
 
 
-@pytest.mark.parametrize("rate", [20000.0, 12800.0, 1024.0, 999.7, 600.0])
+@pytest.mark.parametrize("rate", [12800.0, 999.7, 600.0])
 @pytest.mark.parametrize("cut", [np.round, np.trunc])
-def test_rounded_times_give_the_rate_within_the_bound_that_is_told(tmp_path, rate, cut):
+def test_rounded_times_give_the_rate_within_the_bound_that_is_told(rate, cut):
     t = np.arange(round(3.0 * rate)) / rate + 0.1234
     y, x = np.cos(22.0 * t), np.sin(22.0 * t)
-    frame = pd.DataFrame({"time [s]": cut(1e3 * t) / 1e3, "y [mm]": y, "x [mm]": x})
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    with pytest.warns(RecordWarning, match="is rounded to 0.001 s") as told:
-        found = read(tmp_path / "run.csv")["displacement"].t
-    bound = float(re.search(r"to within (\S+) ppm", str(told[0].message))[1]) * 1e-6
+    (record,) = read_records({"time [s]": cut(1e3 * t) / 1e3, "y [mm]": y, "x [mm]": x})
+    (told,) = record.warnings
+    found, bound = record["displacement"].t, told.shift("")
     assert bound == pytest.approx(1.5e-3 / 3.0, rel=0.05)
     assert (found.size - 1) / (found[-1] - found[0]) == pytest.approx(rate, rel=bound)
     np.testing.assert_allclose(found, t, atol=1.5e-3)
 
 
-@pytest.mark.parametrize(
-    ("spoil", "message"),
-    [
-        (lambda t: t[t < 0.1], "has too few digits"),  # too short: the rate would be off by 1.5 %
-        (lambda t: np.where(t > 1.5, t + 0.02, t), "jumps"),
-        (lambda t: t + 0.004 * (np.arange(t.size) % 7 == 3), "goes back .* rows in order"),
-    ],
-)
-def test_times_that_are_more_than_rounded_are_refused(tmp_path, spoil, message):
-    true = np.arange(60000) / 20000.0
-    t = spoil(np.round(true, 3))
-    true = 22.0 * true[: t.size]
-    frame = pd.DataFrame({"time [s]": t, "y [mm]": np.cos(true), "x [mm]": np.sin(true)})
-    frame.to_csv(tmp_path / "run.csv", index=False)
-    with pytest.raises(RecordError, match=message):
-        read(tmp_path / "run.csv")
-
-
-@pytest.mark.parametrize("package", ["python_calamine", "lvm_read"])
-def test_a_library_that_is_missing_is_named(tmp_path, monkeypatch, package):
-    kind = {"python_calamine": "spreadsheet", "lvm_read": "LabVIEW without times"}[package]
-    path = CORPUS[kind](tmp_path)
-    monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(RecordError, match=rf'{package}, which is not .*"dampbalance\[records\]"'):
-        read(path)
-
-
-def test_a_cell_of_text_among_numbers_is_named(tmp_path):
-    rows = [["t [s]", "base [mm]", "acc [g]"], *np.column_stack([T, Y, A]).tolist()]
-    rows[100][2] = "off"
-    with pytest.raises(RecordError, match=r"xlsx: row 101, column 'acc': 'off' is not a number"):
-        read(_xlsx(tmp_path, rows))
-
-
-def test_a_number_in_a_cell_of_text_counts_and_an_error_of_a_sheet_is_a_missing_sample(tmp_path):
+def test_cells_of_text_among_numbers(tmp_path):
+    """A number in one counts, an error of a sheet is a missing sample, and any other is named."""
     rows = [["t [s]", "base [mm]", "acc [g]"], *np.column_stack([T, Y, A]).tolist()]
     rows[100][2], rows[101][2] = "0.25", "#N/A"
     with pytest.warns(RecordWarning, match="'acc': 1 sample is empty .*: row 102"):
         found = read(_xlsx(tmp_path, rows))["acceleration"]
     assert found.values[99] == 0.25 * G
     assert np.flatnonzero(found.missing).tolist() == [100]
+    rows[100][2] = "off"
+    with pytest.raises(RecordError, match=r"xlsx: row 101, column 'acc': 'off' is not a number"):
+        read(_xlsx(tmp_path, rows))
 
 
 def test_several_segments_of_labview_are_refused(tmp_path):
@@ -257,11 +198,7 @@ def test_channels_of_several_files_are_looked_for_where_the_mapping_says(tmp_pat
     text = mapping.read_text(encoding="utf-8")
     for old, new, message in (
         ("acc/run.dat", "acc/none.dat", r"acc/none\.dat: no such file"),
-        (
-            "channel: 1",
-            "channel: 2",
-            r"acceleration\.channel: there is no channel 2; .*run\.dat has",
-        ),
+        ("channel: 1", "channel: 2", r"acceleration\.channel: there is no channel 2; .*run\.dat"),
         ("acceleration:", "force:", r"run\.yaml: line 1: channels: needs one of .*, and at least"),
     ):
         mapping.write_text(text.replace(old, new), encoding="utf-8")
