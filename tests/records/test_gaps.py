@@ -3,8 +3,6 @@ defect and holds the truth, and a sentence says what was left out."""
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -19,7 +17,6 @@ from dampbalance import (
     read_records,
     steady_orbit,
 )
-from dampbalance.records.errors import RecordWarning
 from dampbalance.records.readers import read
 from records.workbooks import row, xlsx
 
@@ -66,16 +63,12 @@ def rows(change):
 def lacking(at, last=True):
     """What makes some samples of the last column NaN, or of the first."""
 
-    def change(records):
-        changed = []
-        for one in records:
-            name = [*one][-1 if last else 0]
-            changed.append(
-                one | {name: np.where(np.isin(np.arange(one[name].size), at), np.nan, one[name])}
-            )
-        return changed
+    def lost(one):
+        name = [*one][-1 if last else 0]
+        gap = np.isin(np.arange(one[name].size), at)
+        return one | {name: np.where(gap, np.nan, one[name])}
 
-    return change
+    return lambda records: [lost(one) for one in records]
 
 
 DEFECTS = {
@@ -87,105 +80,87 @@ DEFECTS = {
     "the first are NaN": (lacking(np.arange(12)), ("no numbers", 12, "sample 1, sample 2, sample 3, …")),
 }  # fmt: skip
 KINDS = {
-    "forced": forced,
-    "decay of displacement": lambda: decay("displacement"),
-    "decay of velocity": lambda: decay("velocity"),
-    "decay of acceleration": lambda: decay("acceleration"),
-    "loops": loops,
+    "forced": (forced, "a row is missing"),
+    "decay of displacement": (lambda: decay("displacement"), "three are NaN"),
+    "decay of velocity": (lambda: decay("velocity"), "12 rows are missing"),
+    "decay of acceleration": (lambda: decay("acceleration"), "the first are NaN"),
+    "loops": (loops, "a time is NaN"),
+    "forced twice": (forced, "a row is there twice"),
 }
-_WHOLE = {}
 
 
-def identified(records):
-    """The answer to records, of all kinds with the same oscillator."""
-    return identify(records, None if "force_N" in records[0] else OSC.k)
-
-
-@pytest.mark.parametrize("defect", DEFECTS)
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_missing_is_left_out_and_said(kind, defect):
-    records, (change, said) = KINDS[kind](), DEFECTS[defect]
-    if kind not in _WHOLE:
-        _WHOLE[kind] = identified(records)
-    whole, found = _WHOLE[kind], identified(change(records))
+def test_what_is_missing_is_left_out_and_said(kind):
+    make, defect = KINDS[kind]
+    records, (change, said) = make(), DEFECTS[defect]
+    k = None if "force_N" in records[0] else OSC.k  # loops hold it
+    whole, found = identify(records, k), identify(change(records), k)
     for symbol in ("F_k", "c"):
-        error = whole.standard_errors[symbol]
-        assert (
-            abs(found.values[symbol] - getattr(OSC, symbol)) < 4.0 * found.standard_errors[symbol]
-        )
+        error, own = whole.standard_errors[symbol], found.standard_errors[symbol]
+        assert abs(found.values[symbol] - getattr(OSC, symbol)) < 4.0 * own
         # the first of a thousand samples say most of a decay
         assert abs(found.values[symbol] - whole.values[symbol]) < 2.0 * error
         # and tell its departures apart, whose share is in the error
-        assert found.standard_errors[symbol] < 3.0 * error
+        assert own < 3.0 * error
     assert found.verdicts["F_k"].verdict == "usable"
     of = {(one.code, one.numbers.get("count"), one.numbers.get("places")) for one in found.findings}
+    before = {one.code for one in whole.findings}
     assert said in of
+    assert said[0] not in before
     # a departure that may be there is said from a weight on, which samples left out change
-    assert {one.code for one in whole.findings} - {"weighs"} <= {code for code, *_ in of}
+    assert before - {"weighs"} <= {code for code, *_ in of}
 
 
 def test_the_balance_of_a_decay_with_a_gap_is_that_without():
     """A quarter of a cycle on a turn: a line through the gap is off by a tenth of the motion, 40 errors."""
-    for quantity in ("displacement", "velocity", "acceleration"):
+    for quantity, first in (("displacement", 92), ("velocity", 130), ("acceleration", 281)):
         (record,) = decay(quantity, noise=5e-4)
         whole = identify(record, OSC.k).approaches["balance"].parameters
-        for first in (92, 130, 281):
-            change = rows(lambda v, at=first: np.delete(v, np.arange(at, at + 25)))
-            gap = identify(change([record]), OSC.k).approaches["balance"].parameters
-            for symbol in ("F_k", "c"):
-                off = gap[symbol].value - whole[symbol].value
-                assert abs(off) < whole[symbol].standard_error
+        gap = rows(lambda v, at=first: np.delete(v, np.arange(at, at + 25)))([record])
+        found = identify(gap, OSC.k).approaches["balance"].parameters
+        for symbol in ("F_k", "c"):
+            off = found[symbol].value - whole[symbol].value
+            assert abs(off) < whole[symbol].standard_error
 
 
-@pytest.mark.parametrize("digits", [3, 6])
-def test_stamps_of_a_millisecond_do_not_hide_a_row(digits):
+def test_stamps_of_a_millisecond_do_not_hide_a_row():
     """At 1 kHz a missing row and a clock of 999.7 Hz with rounded stamps have the same times: the signals say which."""
-    records = forced()
-    for one in records:
-        one["time_s"] = np.round(one["time_s"], digits)
-    (lost,) = rows(lambda v: np.delete(v, 2600))([records[0]])
+    whole = forced()[0]
+    whole["time_s"] = np.round(whole["time_s"], 3)
+    (lost,) = rows(lambda v: np.delete(v, 2600))([whole])
     (record,) = read_records(lost)
-    gap = np.arange(records[0]["time_s"].size) == 2600
+    gap = np.arange(whole["time_s"].size) == 2600
     assert np.array_equal(record["displacement"].missing, gap)
-    other = records[0] | {"time_s": np.round(np.arange(gap.size) / 999.7, 3)}
-    (record,) = read_records(other)
+    (record,) = read_records(whole | {"time_s": np.round(np.arange(gap.size) / 999.7, 3)})
     assert record["displacement"].missing is None
     assert record.warnings[0].numbers["resolution"] == pytest.approx(0.001)
 
 
 REFUSED = {
-    "a clock that jumps by 0.1 s": (lambda t: t + 0.1 * (t > 2.0), "jumps.* 2.101 s at sample 2002"),
-    "a clock that jumps by 9 s": (lambda t: t + 9.0 * (t > 2.0), "jumps.* 11.001 s"),
-    "a clock that is set back": (lambda t: t - 0.1 * (t > 2.0), "goes back from 2 s to 1.901 s at sample 2002"),
-    "one in 25 is NaN": (lacking(np.arange(9, 5000, 25)), "sample 10: .*and so are 198 more"),
-    "one in every cycle is NaN": (lacking(np.arange(9, 5000, 100)), "only 0 usable .*: 20 of its cycles left out"),
-}  # fmt: skip
+    "one in 25": (lacking(np.arange(9, 5000, 25)), "sample 10: .*and so are 198 more"),
+    "one in every cycle": (lacking(np.arange(9, 5000, 100)), "only 0 usable .*: 20 of its cycles"),
+}
 
 
 @pytest.mark.parametrize("what", REFUSED)
 def test_more_than_a_few_is_refused(what):
     change, message = REFUSED[what]
-    clock = "clock" in what
-    records = (
-        [one | {"time_s": change(one["time_s"])} for one in forced()] if clock else change(forced())
-    )
     with pytest.raises(ValueError, match=message):
-        identify(records, OSC.k)
+        identify(change(forced()), OSC.k)
 
 
 TAIL = [["", "", ""], ["End of record"], ["Operator", "Miller"], ["Maximum", 1.2, 3.4, 7.0]]
 
 
-@pytest.mark.parametrize("suffix", ["csv", "tsv", "xlsx"])
+@pytest.mark.parametrize("suffix", ["csv", "xlsx"])
 def test_text_after_the_data_is_left_aside(suffix, tmp_path):
     (record, *_), file = forced(), tmp_path / f"run.{suffix}"
     frame = pd.DataFrame(record)
     if suffix == "xlsx":
         xlsx(file, [row(cells) for cells in ([*frame], *frame.to_numpy().tolist(), *TAIL)])
     else:
-        mark = "," if suffix == "csv" else "\t"
-        tail = "\n".join(mark.join(map(str, line)).rstrip(mark) for line in TAIL)
-        file.write_text(frame.to_csv(sep=mark, index=False) + tail + "\n", encoding="utf-8")
+        tail = "\n".join(",".join(map(str, line)).rstrip(",") for line in TAIL)
+        file.write_text(frame.to_csv(index=False) + tail + "\n", encoding="utf-8")
     (found,) = read_records(file)
     np.testing.assert_allclose(found.to_frame(), frame.set_index("time_s"), rtol=1e-15)
     last = len(frame) + 1  # after the header
@@ -210,31 +185,16 @@ def test_text_before_further_data_is_refused(tmp_path):
         read(file)
 
 
-CHANNELS = {
-    "a normal force": {"normal_force_N": lambda n: 5.0 + 0.01 * np.sin(np.arange(n) ** 2)},
-    "a dead weight": {"normal_force_N": lambda n: np.full(n, 5.0)},
-}
-
-
-@pytest.mark.parametrize("channel", CHANNELS)
-def test_a_normal_force_is_not_in_the_way_of_forced_records(channel):
+@pytest.mark.parametrize("swing", [0.0, 0.01])
+def test_a_normal_force_is_not_in_the_way_of_forced_records(swing):
     records = forced()
-    more = [
-        one | {n: of(one["time_s"].size) for n, of in CHANNELS[channel].items()} for one in records
-    ]
+    load = 5.0 + swing * np.sin(np.arange(records[0]["time_s"].size) ** 2)
+    more = [one | {"normal_force_N": load} for one in records]
     assert identify(more, OSC.k).values == identify(records, OSC.k).values
 
 
-@pytest.mark.parametrize("column", ["base_displacement_m", "force_N", "normal_force_N"])
+@pytest.mark.parametrize("column", ["base_displacement_m", "normal_force_N"])
 def test_a_channel_at_rest_is_not_in_the_way_of_a_decay(column):
     (record,) = decay("displacement")
     more = record | {column: np.full(record["time_s"].size, 0.25)}
     assert identify(more, OSC.k).values == identify(record, OSC.k).values
-
-
-def test_whole_records_are_read_without_a_word():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", RecordWarning)
-        for make in KINDS.values():
-            for one in make():
-                read_records(one)
