@@ -6,7 +6,7 @@ import pytest
 
 from dampbalance.records.headings import holds_time, quantity_of, unit_of, unusable
 from dampbalance.records.table import RawChannel
-from dampbalance.records.units import find_unit, split_label
+from dampbalance.records.units import DIMENSIONS, find_motion, find_unit, split_label
 
 
 def channel(heading):
@@ -15,101 +15,68 @@ def channel(heading):
     return RawChannel(name, unit, label=heading)
 
 
-@pytest.mark.parametrize(
-    ("heading", "quantity", "unit"),
-    [
-        ("base displacement [mm]", "base_displacement", "mm"),
-        ("Weg Tisch/mm", "base_displacement", "mm"),
-        ("TableDisp (um)", "base_displacement", "µm"),
-        ("ground, mm", "base_displacement", "mm"),
-        ("y_mm", "base_displacement", "mm"),
-        ("base acceleration/g", "base_acceleration", "g"),
-        ("Base [g]", "base_acceleration", "g"),
-        ("Fußpunktbeschleunigung in m/s^2", "base_acceleration", "m/s²"),
-        ("FUSSPUNKT-BESCHLEUNIGUNG / m/s²", "base_acceleration", "m/s²"),
-        ("Erregung (N)", "force", "N"),
-        ("shaker force/N", "force", "N"),
-        ("Kraft in N", "force", "N"),
-        ("x/mm", "displacement", "mm"),
-        ("acc y [g]", "acceleration", "g"),
-        ("accel_x (mm/s²)", "acceleration", "mm/s²"),
-        ("velocity_5 (m/s)", "velocity", "m/s"),
-        ("Latest: Position (m)", "displacement", "m"),
-        ("Data Set 1:Angle(rad)", "displacement", "rad"),
-        ("F [N]", "force", "N"),
-        ("forc (N)", "force", "N"),
-        ("pitch [deg]", "displacement", "deg"),
-        ("dist/mm", "displacement", "mm"),
-        ("Response [mm]", "displacement", "mm"),
-        ("Auslenkung Masse (mm)", "displacement", "mm"),
-        ("Geschwindigkeit (mm/s)", "velocity", "mm/s"),
-        ("v/(m/s)", "velocity", "m/s"),
-        ("v/m/s", "velocity", "m/s"),
-        ("Beschleunigung/g", "acceleration", "g"),
-        ("acceleration/g", "acceleration", "g"),
-        ("Antwort [m/s²]", "acceleration", "m/s²"),
-        ("relative displacement [mm]", "relative_displacement", "mm"),
-        ("Relativweg/mm", "relative_displacement", "mm"),
-        ("x_rel_mm", "relative_displacement", "mm"),
-        ("rel vel (m/s)", "relative_velocity", "m/s"),
-        ("Relative [g]", "relative_acceleration", "g"),
-    ],
-)
-def test_quantities(heading, quantity, unit):
-    raw = channel(heading)
-    assert (quantity_of(raw), find_unit(raw.unit).name) == (quantity, find_unit(unit).name)
-    assert not holds_time(raw)
+HEADINGS = {
+    "base_displacement": ("base displacement [mm]", "Weg Tisch/mm", "TableDisp (um)", "ground, mm"),
+    "base_acceleration": (
+        "Base [g]",
+        "Fußpunktbeschleunigung in m/s^2",
+        "FUSSPUNKT-BESCHLEUNIGUNG/g",
+    ),
+    "force": ("Erregung (N)", "shaker force/N", "Kraft in N", "F [N]", "forc (N)"),
+    "displacement": ("x/mm", "Data Set 1:Angle(rad)", "pitch [deg]", "Auslenkung Masse (mm)"),
+    "velocity": ("velocity_5 (m/s)", "Geschwindigkeit (mm/s)", "v/(m/s)", "v/m/s"),
+    "acceleration": ("acc y [g]", "accel_x (mm/s²)", "Beschleunigung/g", "Antwort [m/s²]"),
+    "relative_displacement": ("relative displacement [mm]", "Relativweg/mm", "x_rel_mm"),
+    "relative_velocity": ("rel vel (m/s)",),
+    "relative_acceleration": ("Relative [g]",),
+}
 
 
-@pytest.mark.parametrize(
-    ("heading", "guess"),
-    [
-        ("CH1 [mm]", None),
-        ("Table laser 2 [mm]", "base_displacement"),
-        ("mass minus base (mm)", "relative_displacement"),
-        ("Auslenkung Masse relativ zum Tisch (mm)", "relative_displacement"),
-        ("base velocity [m/s]", None),  # drives nothing here
-        ("response", "displacement"),
-        ("mass force [N]", None),
-        ("CH1/V", None),
-    ],
-)
-def test_what_is_guessed_at_the_most(heading, guess):
+@pytest.mark.parametrize("quantity", HEADINGS)
+def test_quantities(quantity):
+    channels = [*map(channel, HEADINGS[quantity])]
+    assert {quantity_of(raw) for raw in channels} == {quantity}
+    assert {find_motion(raw.unit).counterpart for raw in channels} == {DIMENSIONS[quantity]}
+    assert not any(map(holds_time, channels))
+
+
+GUESSES = {
+    "Table laser 2 [mm]": "base_displacement",
+    "mass minus base (mm)": "relative_displacement",
+    "Auslenkung Masse relativ zum Tisch (mm)": "relative_displacement",
+    "base velocity [m/s]": None,  # drives nothing here
+    "response": "displacement",
+    **dict.fromkeys(["CH1 [mm]", "mass force [N]", "CH1/V"]),
+}
+
+
+@pytest.mark.parametrize("heading", GUESSES)
+def test_what_is_guessed_at_the_most(heading):
     assert quantity_of(channel(heading)) is None
-    assert quantity_of(channel(heading), all_words=False) == guess
+    assert quantity_of(channel(heading), all_words=False) == GUESSES[heading]
 
 
-@pytest.mark.parametrize(
-    ("heading", "unit"),
-    [
-        *(
-            ("Zeit/s", "s"),
-            ("time/s", "s"),
-            ("Data Set 1:Time(s)", "s"),
-            ("Elapsed Time (s)", "s"),
-            ("t [ms]", "ms"),
-        ),
-        *(("X_Value", "s"), ("x-axis", None), ("second", "s"), ("relative time (µs)", "µs")),
-        *(("Zeit  1 - Standardmessrate [s]", "s"), ("TIME", None), ("Date/Time", None)),
-    ],
-)
-def test_times(heading, unit):
+TIMES = {
+    **dict.fromkeys(["Zeit/s", "Data Set 1:Time(s)", "Elapsed Time (s)", "X_Value", "second"], "s"),
+    **{"t [ms]": "ms", "relative time (µs)": "µs", "Zeit  1 - Standardmessrate [s]": "s"},
+    **dict.fromkeys(["x-axis", "TIME", "Date/Time"]),
+}
+
+
+@pytest.mark.parametrize("heading", TIMES)
+def test_times(heading):
     raw = channel(heading)
     assert holds_time(raw)
-    assert (unit_of(raw) and find_unit(unit_of(raw)).name) == unit
+    assert (unit_of(raw) and find_unit(unit_of(raw)).name) == TIMES[heading]
 
 
-@pytest.mark.parametrize(
-    ("heading", "other"),
-    [
-        *((text, "a temperature") for text in ("Temperatur/°C", "T [K]", "TEMP1", "room (degC)")),
-        ("I/A", "a current"),
-        ("oil (bar)", "a pressure"),
-        *(
-            (text, None)
-            for text in ("n/1/min", "T [Nm]", "CH1 [V]", "template", "K [mm]", "acceleration/g")
-        ),
-    ],
-)
-def test_what_is_no_motion(heading, other):
-    assert unusable(channel(heading)) == other
+NO_MOTION = {
+    **dict.fromkeys(["Temperatur/°C", "T [K]", "TEMP1", "room (degC)"], "a temperature"),
+    **{"I/A": "a current", "oil (bar)": "a pressure"},
+    **dict.fromkeys(["n/1/min", "T [Nm]", "CH1 [V]", "template", "K [mm]", "acceleration/g"]),
+}
+
+
+@pytest.mark.parametrize("heading", NO_MOTION)
+def test_what_is_no_motion(heading):
+    assert unusable(channel(heading)) == NO_MOTION[heading]

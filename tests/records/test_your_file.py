@@ -24,7 +24,11 @@ RANDOM = np.random.default_rng(28)
 NOISE = [1e-3 * RANDOM.standard_normal(T.size) for _ in range(3)]
 ROUND = 10.0 * np.sin(OMEGA * T) + 2.0 * np.cos(OMEGA * T)  # N; with D₀ a loop that loses energy
 SWING = 0.01 * np.sin(OMEGA * T)
-DECAY, ROTATION = {"displacement": D}, {"displacement": 4.0 * D}
+DECAY, RATE_OF, OF_A = {"displacement": D}, {"velocity": V}, {"acceleration": A}
+ROTATION, TURN = {"displacement": 4.0 * D}, {"displacement": 4.0 * D, "velocity": 4.0 * V}
+ANSWER = -(OMEGA**2) * STEADY
+BASE = {"base_displacement": DRIVE, "acceleration": ANSWER}
+FORCE = {"force": 1e4 * DRIVE, "displacement": STEADY}
 BLOW = np.where(T < 0.02, 50.0, 0.0) + NOISE[0]
 FREQUENCY = np.linspace(2.5, 2000.0, T.size)
 RESPONSE = 1.0 / (1.0 - (FREQUENCY / 440.0) ** 2 + 0.02j)
@@ -37,40 +41,22 @@ FILES: dict[str, tuple[tuple[np.ndarray, ...], object]] = {
     "time_s,displacement_m": ((T, D), DECAY),
     "Time (s),Position (m),Velocity (m/s),Acceleration (m/s²)": (
         (T, D, V, A),
-        {"displacement": D, "velocity": V, "acceleration": A},
+        DECAY | RATE_OF | OF_A,
     ),
     "Data Set 1:Time(s),Data Set 1:Position(m)": ((T, D), DECAY),
-    "Latest: Time (s),Latest: Position (m),Latest: Velocity (m/s)": (
-        (T, D, V),
-        {"displacement": D, "velocity": V},
-    ),
+    "Latest: Time (s),Latest: Position (m),Latest: Velocity (m/s)": ((T, D, V), DECAY | RATE_OF),
     "Zeit [s];Weg [mm]": ((T, 1e3 * D), DECAY),
     "time,displacement (mm)": ((T, 1e3 * D), DECAY),
-    "time_s,ax (m/s^2),ay (m/s^2),az (m/s^2)": (
-        (T, NOISE[0], A, G + NOISE[1]),
-        {"acceleration": A},
-    ),
-    "#time,accel_x,accel_y,accel_z": (
-        (T, 1e3 * A, 1e3 * NOISE[0], 1e3 * (G + NOISE[1])),
-        {"acceleration": A},
-    ),
-    "time (s),angle (rad),angular velocity (rad/s)": (
-        (T, 4.0 * D, 4.0 * V),
-        {"displacement": 4.0 * D, "velocity": 4.0 * V},
-    ),
+    "time_s,ax (m/s^2),ay (m/s^2),az (m/s^2)": ((T, NOISE[0], A, G + NOISE[1]), OF_A),
+    "#time,accel_x,accel_y,accel_z": ((T, 1e3 * A, NOISE[0], 1e3 * (G + NOISE[1])), OF_A),
+    "time (s),angle (rad),angular velocity (rad/s)": ((T, 4.0 * D, 4.0 * V), TURN),
     "time (s),roll": ((T, np.degrees(4.0 * D)), ROTATION),
     "t,x,y,θ": ((T, 0.4 * np.sin(4.0 * D), -0.4 * np.cos(4.0 * D), 4.0 * D), ROTATION),
     "time_s,ch2,displacement_m": ((T, 30.189 + 0.6 * NOISE[0], D), DECAY),
     "time_s,in1,displacement_m": ((T, BLOW, D), DECAY),
     "Time (s),Position (m),,Time (s),Position (m)": ((T, D, np.nan * T, T, D), DECAY),
-    "time [s],base displacement [mm],acceleration [g]": (
-        (T, 1e3 * DRIVE, -(OMEGA**2) * STEADY / G),
-        {"base_displacement": DRIVE, "acceleration": -(OMEGA**2) * STEADY},
-    ),
-    "time [s],Load cell [N],x [mm]": (
-        (T, 1e4 * DRIVE, 1e3 * STEADY),
-        {"force": 1e4 * DRIVE, "displacement": STEADY},
-    ),
+    "time [s],base displacement [mm],acceleration [g]": ((T, 1e3 * DRIVE, ANSWER / G), BASE),
+    "time [s],Load cell [N],x [mm]": ((T, 1e4 * DRIVE, 1e3 * STEADY), FORCE),
     "time (s),displacement (m),force (N),velocity 1 (m/s),velocity 2 (m/s)": (
         (T, SWING, ROUND, np.gradient(SWING, T), 1.001 * np.gradient(SWING, T)),
         LOOP | {"velocity": np.gradient(SWING, T)},
