@@ -18,7 +18,7 @@ ORBIT = steady_orbit(PAPER, MOTION)
 T = np.arange(5) / 100.0
 
 
-def channel(quantity="displacement", t=T, values=None, name=""):
+def channel(quantity="displacement", t=T, values=None, name="A1"):
     return Channel(quantity, t, np.sin(t) if values is None else values, name)
 
 
@@ -30,23 +30,21 @@ def test_a_channel_is_read_only_and_leaves_the_array_it_came_from_alone():
     values[0] = 2.0  # still the caller's to write
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"quantity": "jerk"}, "its quantity must be one of .*, got 'jerk'"),
-        ({"values": np.zeros(4)}, "4 values at 5 times"),
-        ({"t": T[:1], "values": T[:1]}, "1 samples"),
-        ({"values": np.array([0, 1, np.nan, 3, 4.0])}, "value 2 .* is nan"),
-        ({"t": np.array([0, 1, np.inf, 3, 4.0]), "values": T}, "time 2 .* is inf"),
-        (
-            {"t": np.array([0, 1, 1, 3, 4.0]), "values": T},
-            "is not in equal steps: 0 s from sample 1 to 2",
-        ),
-    ],
-)
-def test_a_channel_that_is_no_signal_is_refused_by_name(arguments, message):
+WRONG = {
+    "its quantity must be one of .*, got 'jerk'": {"quantity": "jerk"},
+    "4 values at 5 times": {"values": np.zeros(4)},
+    "1 samples": {"t": T[:1], "values": T[:1]},
+    "value 2 .* is nan": {"values": np.array([0, 1, np.nan, 3, 4.0])},
+    "value 1 .* is 1e.16, beyond": {"values": np.array([0, 1e16, 2, 3, 4.0])},
+    "time 2 .* is inf": {"t": np.array([0, 1, np.inf, 3, 4.0]), "values": T},
+    "not in equal steps: 0 s from sample 1 to 2": {"t": np.array([0, 1, 1, 3, 4.0])},
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_a_channel_that_is_no_signal_is_refused_by_name(message):
     with pytest.raises(ValueError, match=f"channel 'A1'.*{message}"):
-        channel(name="A1", **arguments)
+        channel(**WRONG[message])
 
 
 @pytest.mark.parametrize(
@@ -58,7 +56,7 @@ def test_a_channel_that_is_no_signal_is_refused_by_name(arguments, message):
     ],
 )
 def test_a_measurement_has_one_excitation_at_most_and_a_response(quantities, message):
-    with pytest.raises(ValueError, match=f"run7: .*{message}|run7: the channels .*{message}"):
+    with pytest.raises(ValueError, match=f"run7: .*{message}"):
         Record.of("run7", [channel(q, name=f"c{i}") for i, q in enumerate(quantities)])
 
 
@@ -76,14 +74,16 @@ def test_the_simulated_signals_are_those_of_the_exact_orbit():
     assert t[0] == 0.7
     assert len(t) == round(3.5 / NEAR * 997.0)
     state = ORBIT.state(t)
-    np.testing.assert_array_equal(made["displacement"].values, state.x)
-    np.testing.assert_array_equal(made["acceleration"].values, state.acceleration)
+    truth = {"displacement": state.x, "velocity": state.v, "acceleration": state.acceleration}
+    for quantity, values in truth.items():
+        np.testing.assert_array_equal(made[quantity].values, values)
     np.testing.assert_allclose(made["force"].values, PAPER.k * MOTION.y(t), rtol=1e-14)
-    assert [c.quantity for c in made.responses] == ["displacement", "velocity", "acceleration"]
+    assert [c.quantity for c in made.responses] == [*truth]
 
 
-@pytest.mark.parametrize("start", [0.1, 0.02, -0.2, 3.0, 0.29])
-@pytest.mark.parametrize("rate_hz", [100.0, 500.0, 1000.0, 2000.0, 5000.0])
+@pytest.mark.parametrize(
+    ("start", "rate_hz"), [(0.1, 1000.0), (0.02, 100.0), (-0.2, 5000.0), (3.0, 500.0)]
+)
 def test_times_are_the_decimal_numbers_that_they_stand_for(start, rate_hz):
     """0.102 at 1 kHz from 0.1 s on, and not 0.10200000000000001: Python writes the shortest number of each float."""
     at = [round(start * 10_000) + round(10_000 / rate_hz) * i for i in range(3000)]
@@ -91,17 +91,15 @@ def test_times_are_the_decimal_numbers_that_they_stand_for(start, rate_hz):
 
 
 def test_the_noise_is_white_of_the_size_asked_for_and_the_same_for_the_same_seed():
-    arguments = {"rate_hz": 5000.0, "cycles": 40.0, "channels": ("base_displacement", "velocity")}
-    clean = measured_orbit(ORBIT, **arguments)
-    noisy = measured_orbit(ORBIT, noise={"velocity": 0.02}, seed=3, **arguments)
-    again = measured_orbit(ORBIT, noise={"velocity": 0.02}, seed=3, **arguments)
-    np.testing.assert_array_equal(noisy["velocity"].values, again["velocity"].values)
-    np.testing.assert_array_equal(
-        noisy["base_displacement"].values, clean["base_displacement"].values
+    options = {"rate_hz": 5000.0, "cycles": 40.0, "channels": ("base_displacement", "velocity")}
+    clean = measured_orbit(ORBIT, **options)
+    noisy, again = (
+        measured_orbit(ORBIT, noise={"velocity": 0.02}, seed=3, **options) for _ in range(2)
     )
+    for quantity, one in (("velocity", again), ("base_displacement", clean)):
+        np.testing.assert_array_equal(noisy[quantity].values, one[quantity].values)
     added = noisy["velocity"].values - clean["velocity"].values
-    rms = math.sqrt(np.mean(clean["velocity"].values ** 2))
-    n = len(added)
+    size, n = 0.02 * math.sqrt(np.mean(clean["velocity"].values ** 2)), added.size
     # the standard deviation of n normal values scatters by 1/√(2n), its autocorrelation by 1/√n: four sigma each
-    assert abs(added.std() / (0.02 * rms) - 1.0) < 4.0 / math.sqrt(2.0 * n)
+    assert abs(added.std() / size - 1.0) < 4.0 / math.sqrt(2.0 * n)
     assert abs(np.corrcoef(added[1:], added[:-1])[0, 1]) < 4.0 / math.sqrt(n)
