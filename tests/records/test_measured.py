@@ -122,13 +122,16 @@ def test_a_record_goes_back_to_a_table():
     assert same(read_records(frame)[0], exact=1e-15)
 
 
+RATED = {"time_s": None, "fs": 1000.0}
 SPOILED = {
     "record 1: finds no response": {"acceleration_g": None},
     "record 1: sample 8: .*acceleration": {
         "acceleration_g": np.where(np.arange(T.size) % 25 == 7, np.nan, A)
     },
     "record 1: .*acceleration.* constant": {"acceleration_g": np.ones(T.size)},
-    "has .* samples": {"acceleration_g": A[:-3]},
+    "'acceleration' has .*, its time 'time' has": {"acceleration_g": A[:-3]},
+    "unequal lengths: channel 'base_disp.* channel 'acc": RATED | {"acceleration_g": A[:-3]},
+    "fs of channel .* not a number within .*; give sample_rate_hz": RATED | {"fs": 0.0},
     r"'acceleration_g' has the shape \(1, 2, ": {"acceleration_g": np.stack([[A, A]])},
     "'acceleration_g' holds complex numbers": {"acceleration_g": A + 1j},
     "'acceleration_g' holds texts": {"acceleration_g": ["1.0"] * T.size},

@@ -18,7 +18,6 @@ from scipy.io import wavfile
 
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import read, table
-from records.drafts import filled, shown
 from records.formats import uff_set, write_columns, write_uff
 
 RATE = 1000.0
@@ -32,12 +31,12 @@ G = 9.80665
 EXPECTED = {"base_displacement": Y * 1e-3, "acceleration": A * G}
 
 
-def assert_expected(found, t=T):
+def assert_expected(found):
     assert list(found) == list(EXPECTED)
     for quantity, values in EXPECTED.items():
         np.testing.assert_array_equal(found[quantity].values, values)
         # ms become s by one more rounding
-        np.testing.assert_allclose(found[quantity].t, t, rtol=1e-15, atol=0.0)
+        np.testing.assert_allclose(found[quantity].t, T, rtol=1e-15, atol=0.0)
 
 
 @pytest.fixture
@@ -50,15 +49,6 @@ def csv(tmp_path):
         return path
 
     return written
-
-
-def hdf5(folder, attributes=(), **arrays):
-    """Write arrays by name, with attributes of the file, and give its path."""
-    with h5py.File(folder / "run.h5", "w") as file:
-        for name, values in arrays.items():
-            file[name] = values
-        file.attrs.update(attributes)
-    return folder / "run.h5"
 
 
 def two(base, acceleration, scale=1.0, **more):
@@ -120,14 +110,14 @@ def test_encodings(tmp_path, encoding):
     np.testing.assert_array_equal(found["acceleration"].values, A)
 
 
-@pytest.mark.parametrize(
-    "header",
-    [
-        "t1 [s],base [mm],t2 [s],acc [g]\n",  # the nearest to the left
-        "base_time [s],base [mm],acc_time [s],acc [g]\n",  # or by name
-        "time,base,time,acc\ns,mm,s,g\n",
-    ],
+OWN_TIMES = (
+    "t1 [s],base [mm],t2 [s],acc [g]\n",  # the nearest to the left
+    "base_time [s],base [mm],acc_time [s],acc [g]\n",  # or by name
+    "time,base,time,acc\ns,mm,s,g\n",
 )
+
+
+@pytest.mark.parametrize("header", OWN_TIMES)
 def test_each_channel_takes_its_own_times(csv, header):
     found = read(csv(header + rows(columns=(T, Y, T + 0.25, A))))
     np.testing.assert_array_equal(found["base_displacement"].t, T)
@@ -136,13 +126,9 @@ def test_each_channel_takes_its_own_times(csv, header):
 
 def test_mapping_by_name_and_number(csv):
     path = csv("clock,CH1 [V],CH2 [V]\n" + rows(columns=(T * 1e3, Y / 2, -A)))
-    base = {"channel": "CH1", "unit": "mm", "scale": 2.0}
-    mapping = {
-        "channels": {
-            "base_displacement": base,
-            "acceleration": {"channel": 3, "unit": "g", "sign": -1},
-        }
-    }
+    mapping = two("CH1", 3)
+    mapping["channels"]["base_displacement"]["scale"] = 2.0
+    mapping["channels"]["acceleration"]["sign"] = -1
     assert_expected(read(path, mapping | {"time": {"channel": "clock", "unit": "ms"}}))
     assert_expected(read(path, mapping | {"sample_rate_hz": RATE}))
     path = csv(rows(columns=(Y, A)))  # no header, no times
@@ -180,10 +166,10 @@ def test_hdf5_attributes(tmp_path, rate, place):
 
 
 def test_hdf5_rows_and_columns(tmp_path):
-    mapping = two("data[1]", "data[2]", sample_rate_hz=RATE)
     for held in (np.stack([Y, A]), np.stack([Y, A], axis=1)):
-        path = hdf5(tmp_path, data=held)
-        assert_expected(read(path, mapping))
+        with h5py.File(tmp_path / "run.h5", "w") as file:
+            file["data"] = held
+        assert_expected(read(tmp_path / "run.h5", two("data[1]", "data[2]", sample_rate_hz=RATE)))
 
 
 @pytest.mark.parametrize("even", [0, 1], ids=["uneven", "even"])
@@ -209,35 +195,20 @@ def test_tdms_groups_and_segments(tmp_path):
     assert [raw.name for raw in table(path).channels] == ["base/y", "mass/acc"]
 
 
-@pytest.mark.parametrize(
-    ("dtype", "full"), [("<i2", 2**15), ("<i4", 2**31), ("u1", None), ("<f4", None), ("<f8", None)]
-)
-def test_wav_in_parts_of_full_scale(tmp_path, dtype, full):
-    path = tmp_path / "run.wav"
+WAV = {"<i2": (2**15, 0), "<i4": (2**31, 0), "u1": (128, 128), "<f4": (1, 0), "<f8": (1, 0)}
+
+
+@pytest.mark.parametrize("dtype", WAV)
+def test_wav_in_parts_of_full_scale(tmp_path, dtype):
+    path, (full, zero) = tmp_path / "run.wav", WAV[dtype]
     parts = np.stack([Y, A], axis=1) / 4.0  # multiples of 1/32, which eight bits resolve
-    samples = parts * full if full else (parts * 128 + 128 if dtype == "u1" else parts)
-    wavfile.write(path, int(RATE), samples.astype(dtype))
+    wavfile.write(path, int(RATE), (parts * full + zero).astype(dtype))
     assert_expected(read(path, two(1, "channel 2", scale=4.0)))
 
 
-def test_wav_of_24_bits(tmp_path):
-    path = tmp_path / "run.wav"
-    samples = np.round(np.stack([Y, A], axis=1) / 4.0 * 2**23).astype("<i4")
-    data = b"".join(int(v).to_bytes(3, "little", signed=True) for v in samples.reshape(-1))
-    rate = int(RATE)
-    form = b"fmt " + (16).to_bytes(4, "little") + np.array([1, 2], "<u2").tobytes()
-    form += np.array([rate, rate * 6], "<u4").tobytes() + np.array([6, 24], "<u2").tobytes()
-    body = b"WAVE" + form + b"data" + len(data).to_bytes(4, "little") + data
-    path.write_bytes(b"RIFF" + len(body).to_bytes(4, "little") + body)
-    assert_expected(read(path, two(1, 2, scale=4.0)))
-
-
 def test_parquet_units_in_metadata(tmp_path):
-    path = tmp_path / "run.parquet"
-    fields = [
-        pa.field(n, pa.float64(), metadata={"unit": u})
-        for n, u in (("t", "s"), ("y", "mm"), ("acc", "g"))
-    ]
+    path, units = tmp_path / "run.parquet", {"t": "s", "y": "mm", "acc": "g"}
+    fields = [pa.field(n, pa.float64(), metadata={"unit": u}) for n, u in units.items()]
     pq.write_table(pa.table([T, Y, A], schema=pa.schema(fields)), path, row_group_size=3)
     assert_expected(read(path))
 
@@ -245,11 +216,10 @@ def test_parquet_units_in_metadata(tmp_path):
 # Bad input: one error each, which names the file.
 
 
-def refused(path, match, mapping=None):
+def refused(path, match):
     with pytest.raises(RecordError, match=match) as error:
-        read(path, mapping)
+        read(path)
     assert str(path) in str(error.value)
-    return str(error.value)
 
 
 SPOILED = {
@@ -286,36 +256,11 @@ def test_bad_text(csv, message):
     refused(csv(BAD[message]), message)
 
 
-def test_a_mapping_that_a_message_shows_for_a_matrix_is_read(tmp_path):
-    path = hdf5(tmp_path, signals=np.column_stack([Y, A, Y + A]))
-    message = r"what do the columns 'signals\[1\]', 'signals\[2\]' and 'signals\[3\]'"
-    columns = {"base_displacement": "signals[1]", "displacement": "signals[2]"}
-    found = read(path, filled(shown(refused(path, message)), columns, sample_rate_hz=RATE))
-    for quantity, values in zip(columns, (Y, A), strict=True):
-        np.testing.assert_allclose(found[quantity].values, 1e-3 * values)
-
-
 def test_channels_that_are_not_used_are_listed(csv):
     path = csv("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
-    with pytest.warns(
-        RecordWarning, match=r"csv: channels not used: 'CH 4 \[V\]' .*; say in .*yaml"
-    ):
+    with pytest.warns(RecordWarning, match=r"channels not used: 'CH 4 \[V\]' .*; say in .*yaml"):
         assert_expected(read(path))
-    named = {"base_displacement": {"channel": 2}, "acceleration": {"channel": 3}}
-    read(path, {"channels": named})  # on purpose
-
-
-def test_a_name_that_stands_twice(csv):
-    path = csv("time [s],CH [mm],CH [g]\n" + rows())
-    rules = {"base_displacement": {"channel": "CH"}, "acceleration": {"channel": 3}}
-    refused(path, r"has 2 channels 'CH', numbers 2 and 3; give one", {"channels": rules})
-
-
-def test_unequal_lengths(tmp_path):
-    path = hdf5(tmp_path, time_s=T, base_mm=Y, acc_g=A[:-1])
-    refused(path, r"'acc' has 7, its time 'time' has 8 samples")
-    path = hdf5(tmp_path, base_mm=Y, acc_g=A[:-1], fs=RATE)
-    refused(path, r"unequal lengths: channel 'base' has 8, channel 'acc' has 7 samples")
+    read(path, two(2, 3))  # on purpose
 
 
 def test_parquet_with_text_and_nulls(tmp_path):
@@ -325,21 +270,23 @@ def test_parquet_with_text_and_nulls(tmp_path):
         refused(path, message)
 
 
-def test_matlab_without_numbers(tmp_path):
-    path = tmp_path / "run.mat"
-    scipy.io.savemat(path, {"note": "nothing"})
-    refused(path, r"finds no response.*its columns are none")
+NO_FILES = {
+    "is a folder; give the files in it": ("run.csv", None),
+    "no such file": ("no.csv", b""),
+    "cannot be read as a spreadsheet, it is damaged or was cut": ("run.xlsx", b"PK\x03\x04"),
+    r"unknown suffix '\.mf4'; records end in \.csv": ("run.mf4", b"MDF     "),
+}
 
 
-def test_what_is_no_file(tmp_path):
-    folder = tmp_path / "run.csv"
-    folder.mkdir()
-    refused(folder, "is a folder; give the files in it")
-    refused(tmp_path / "no.csv", "no such file")
-    (tmp_path / "run.xlsx").write_bytes(b"PK\x03\x04")
-    refused(tmp_path / "run.xlsx", r"cannot be read as a spreadsheet, it is damaged or was cut")
-    (tmp_path / "run.mf4").write_bytes(b"MDF     ")
-    refused(tmp_path / "run.mf4", r"unknown suffix '\.mf4'; records end in \.csv")
+@pytest.mark.parametrize("message", NO_FILES)
+def test_what_is_no_file(tmp_path, message):
+    name, content = NO_FILES[message]
+    path = tmp_path / name
+    if content is None:
+        path.mkdir()
+    elif content:
+        path.write_bytes(content)
+    refused(path, message)
 
 
 SAMPLES = {".csv": "delimited text", ".parquet": "Parquet", ".mat": "MATLAB", ".h5": "HDF5"}
@@ -407,23 +354,25 @@ def test_a_truncated_text(tmp_path):
 
 LIBRARIES = {".parquet": "pyarrow", ".mat": "pymatreader", ".h5": "h5py", ".uff": "pyuff"}
 LIBRARIES |= {".tdms": "nptdms", ".xlsx": "python_calamine", ".lvm": "lvm_read"}
+HEADS = {".xlsx": b"PK\x03\x04", ".lvm": b"LabVIEW Measurement"}
 
 
-@pytest.mark.parametrize(("suffix", "package"), LIBRARIES.items())
-def test_a_missing_library_names_the_extra(tmp_path, monkeypatch, suffix, package):
+@pytest.mark.parametrize("suffix", LIBRARIES)
+def test_a_missing_library_names_the_extra(tmp_path, monkeypatch, suffix):
     path, present = tmp_path / f"run{suffix}", importlib.import_module
-    path.write_bytes({".xlsx": b"PK\x03\x04", ".lvm": b"LabVIEW Measurement"}.get(suffix, b""))
-    if suffix in SAMPLES:
+    if suffix in HEADS:
+        path.write_bytes(HEADS[suffix])
+    else:
         sample(path)
 
     def absent(name, *rest):
-        if name.partition(".")[0] == package:
+        if name.partition(".")[0] == LIBRARIES[suffix]:
             raise ModuleNotFoundError(name)
         return present(name, *rest)
 
     monkeypatch.setattr(importlib, "import_module", absent)
     with pytest.raises(
-        RecordError, match=rf'needs the package {package}.*"dampbalance\[records\]"'
+        RecordError, match=rf'package {LIBRARIES[suffix]}.*"dampbalance\[records\]"'
     ):
         read(path)
 
