@@ -41,11 +41,9 @@ def distorted(record):
 
 
 def forced():
+    options = {"rate_hz": 1000.0, "cycles": 40.0, "noise": 1e-3}
     orbits = [steady_orbit(PAPER, BaseMotion(Y, OMEGA)) for Y in LEVELS[:3]]
-    return [
-        measured_orbit(of, rate_hz=1000.0, cycles=40.0, noise=1e-3, seed=i)
-        for i, of in enumerate(orbits)
-    ]
+    return [measured_orbit(of, seed=i, **options) for i, of in enumerate(orbits)]
 
 
 def free():
@@ -61,8 +59,7 @@ def loops():
 @pytest.mark.parametrize("kind", [forced, free, loops])
 def test_a_mapping_gives_the_truth_back(kind):
     k = None if kind is loops else PAPER.k
-    plain = identify(kind(), k)
-    found = identify([distorted(one) for one in kind()], k)
+    plain, found = identify(kind(), k), identify([distorted(one) for one in kind()], k)
     for symbol in ("F_k", "c"):
         off = found.values[symbol] - plain.values[symbol]
         # the same noise, which a filter that starts from rest and its inverse change; the gain alone would be 25 %
