@@ -19,7 +19,7 @@ from dampbalance import (
     read_records,
     steady_orbit,
 )
-from records.workbooks import row, xlsx
+from records.formats import row, xlsx
 
 OSC = Oscillator(m=2.1, c=0.12, k=240.0, K_z=5000.0, F_k=0.05)
 TICK = 2.0 * np.pi / 4096

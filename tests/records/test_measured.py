@@ -135,6 +135,7 @@ SPOILED = {
     "'acceleration_g' is a single value": {"acceleration_g": 9.81},
     "'?acceleration'?.*kg": {"acceleration_g": None, "acceleration_kg": A},
     "in which unit is .acceleration.. Say it in mapp": {"acceleration_g": None, "acceleration": A},
+    r"'S' is a unit of a conductance \(.* s\?\)": {"time_s": None, "TIME [S]": T},
     "(?s)at which rate .* in mapping, for.*sample_rate_hz: .\\?": {"time_s": None},
 }
 

@@ -18,8 +18,7 @@ from dampbalance import RecordError, read_records
 from dampbalance.records.readers import mapping_to_start_from
 from dampbalance.records.stepped_sine import SteppedRecord
 from records.drafts import filled, shown
-from records.formats import uff_set, write_uff
-from records.workbooks import row, xlsx
+from records.formats import row, uff_set, write_uff, xlsx
 
 M, C, K = 2.0, 10.0, 5000.0
 HZ = np.linspace(6.0, 10.0, 21)
