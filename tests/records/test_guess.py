@@ -109,19 +109,15 @@ def test_a_file_is_read_as_the_page_says(tmp_path, head):
 # Decays, and what is asked for
 
 DECAYS = {
-    "an empty column": ({"x (m)": X, "aux": np.full(T.size, np.nan)}, {"displacement": X}),
     "a constant": ({"battery": 0.0 * T + 3.7, "x (m)": X}, {"displacement": X}),
     "noise in mm": ({"ch1 [mm]": NOISE[0], "ch2 [mm]": 1e3 * X}, {"displacement": X}),
     "thermocouples": ({"T1": 0.1 * T - 0.001 * T**2, "T2 (°C)": T, "x (m)": X}, {"displacement": X}),
-    "hum": ({"AI3": HUM, "Position (m)": X}, {"displacement": X}),
     "a hammer in volts": ({"Hammer (V)": np.where(T < 0.02, 40.0, 0.0), "acc (m/s²)": A}, {"acceleration": A}),
     "a number in the name": ({"velocity_5 (m/s)": V}, {"velocity": V}),
     "x and v without names": ({"s1 [mm]": 1e3 * X, "s2 [m/s]": V}, {"displacement": X, "velocity": V}),
     "x and y of a bob": ({"x (m)": np.sin(X), "y (m)": -np.cos(X)}, {"displacement": np.sin(X)}),
     "axes of a gyroscope": ({"gx (rad/s)": 0.01 * NOISE[0], "gz (rad/s)": V}, {"velocity": V}),
-    "two axes": ({"acc x (m/s²)": A, "acc y (m/s²)": 0.2 * NOISE[0]}, {"acceleration": A}),
     "a marker": ({"X (mm)": 812.0 + NOISE[0], "Y (mm)": 1e3 * X, "Z (mm)": NOISE[1]}, {"displacement": X}),
-    "an axis": ({"x (m/s²)": A}, {"acceleration": A}),
     "an angle and its rate": ({"theta": X, "omega": V}, {"displacement": X, "velocity": V}),
     "an angle in degrees": ({"roll": 45.0 + DEG * X}, {"displacement": np.pi / 4.0 + X}),
     "an angle by its rate": (
@@ -161,11 +157,9 @@ ASKED = {
     "an offset of one of a single axis": ({"time (s)": T, "acc": 1.0 + A}, "in which unit is 'acc'"),
     "a second body": ({"time_s": T, "x2 (mm)": 400.0 * X, "x (mm)": 1e3 * X}, OF_BODY),
     "a wrong unit of a velocity": ({"time_s": T, "v (m/s)": 3.6 * V, "x (m)": X}, OF_BODY),
-    "a wrong unit of an acceleration": ({"time_s": T, "acc (g)": 0.4 * A, "x (m)": X}, OF_BODY),
     "an acceleration of a table": ({"time_s": T, "acc (m/s²)": np.roll(A, 20), "x (m)": X}, OF_BODY),
     "a table in steady motion": ({"time_s": T, "acc (m/s²)": TURN, "x (m)": np.sin(9.0 * T)}, "does the column 'acc"),
     "whole milliseconds": ({"time": 3.0 + 5.0 * CLOCK, "x (m)": X}, "in which unit is 'time'"),
-    "halves of a millisecond": ({"time": 3.0 + 0.5 * CLOCK, "x (m)": X}, "in which unit is 'time'"),
     "days of a spreadsheet": ({"time": 3.0 + 1e-7 * CLOCK, "x (m)": X}, "in which unit is 'time'"),
     "2.3 degrees, or a turn and a half": ({"time_s": T, "angle": DEG * X / 5.0}, "in which unit is 'angle'"),
     "an angle about another": ({"time_s": T, "roll": 40.0 + DEG * X / 5.0}, "in which unit is 'roll'"),

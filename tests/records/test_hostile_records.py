@@ -207,7 +207,7 @@ ALIASES = "".join(
 MAPPINGS = [
     "? [1, 2]\n: 3\n", "- a\n", "a: b: c\n", "\ta\n", "&a {level: *a}\n", "channels: &a {force: *a}\n",
     "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + ALIASES, "a: " + "[" * 1100 + "]" * 1100, "level: 2020-13-45\n",
-    "level: " + "9" * 5000, "level: .nan\n", "level: a\nlevel: b\n", "x" * 5000 + ": 1\n",
+    "channels: [\n", "\xff\xfe", "level: " + "9" * 5000, "level: .nan\n", "level: a\nlevel: b\n", "x" * 5000 + ": 1\n",
     "".join(f"k{i}: 1\n" for i in range(1000)), "sample_rate_hz: 1.0e-300", "header_lines: " + "9" * 400,
     "delimiter: ''\n", "frequency_hz: 1.0e+308\n",
     "channels: {velocity: {channel: 1, scale: 0.0}}",
@@ -217,7 +217,7 @@ MAPPINGS = [
 @pytest.mark.parametrize("text", MAPPINGS, ids=range(len(MAPPINGS)))
 def test_mappings_that_are_none(text, tmp_path):
     file = tmp_path / "bad.yaml"
-    file.write_text(text, encoding="utf-8")
+    file.write_bytes(text.encode("latin-1"))
     with pytest.raises(RecordError) as error:
         read_mapping(file)
     lines = str(error.value).splitlines()

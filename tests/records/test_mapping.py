@@ -137,23 +137,6 @@ def test_a_mapping_that_does_not_fit_is_refused_before_samples_are_loaded(messag
         recognise(Table("run", channels, load), rules)
 
 
-NO_MAPPINGS = {
-    "not readable as YAML": "channels: [\n",
-    "duplicate key .notes.": "notes: a\nnotes: b\n",
-    "is not UTF-8": "\xff\xfe",
-    "(?i:no such file)": None,
-}
-
-
-@pytest.mark.parametrize("message", NO_MAPPINGS)
-def test_a_file_that_is_no_mapping(tmp_path, message):
-    file, text = tmp_path / "run.yaml", NO_MAPPINGS[message]
-    if text is not None:
-        file.write_bytes(text.encode("latin-1"))
-    with pytest.raises(RecordError, match=f"{file}.*{message}"):
-        read_mapping(file)
-
-
 # The documentation
 
 

@@ -70,8 +70,13 @@ MOTIONS = ("displacement", "velocity", "acceleration")
 @pytest.mark.parametrize("quarters", range(3))
 @pytest.mark.parametrize("response", ORDERS)
 def test_phases_are_understood_however_they_are_counted(response, quarters, sign, unit):
-    (record,) = read_records(table(response, quarters, sign, unit))
+    columns, random = table(response, quarters, sign, unit), np.random.default_rng(quarters)
+    (record,) = read_records(columns)
     require_truth(record.levels)
+    for name in ("Force amplitude [N]", response):  # noise of 1 % lets none be taken for another
+        columns[name] *= 1.0 + 0.01 * random.standard_normal(LINES)
+    for level in levels_of(columns):
+        np.testing.assert_allclose(level.phi, PHI, atol=1e-11)
     way = f"the {MOTIONS[quarters]} {'leads' if sign > 0 else 'lags'} the force"
     assert record.convention == f"its phases are those by which {way}"
     assert f"42 lines at 2 levels; {record.convention}" in repr(record)
@@ -328,15 +333,3 @@ def test_a_record_in_time_is_no_table():
     (record,) = read_records(columns | more)
     assert not isinstance(record, SteppedRecord)
     assert {*record.corrected()} == {"base_displacement", "displacement"}
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize("quarters", range(3))
-def test_conventions_are_found_with_noise(quarters, sign):
-    random = np.random.default_rng(quarters)
-    columns = table("acceleration (g)", quarters, sign)
-    for name in ("Force amplitude [N]", "acceleration (g)"):
-        columns[name] *= 1.0 + 0.01 * random.standard_normal(LINES)
-    columns["phase (rad)"] += 0.01 * random.standard_normal(LINES)
-    for level in levels_of(columns):
-        assert np.abs(level.phi - PHI).max() < 0.06  # six standard deviations

@@ -86,17 +86,14 @@ REFUSED = [
     (["acc", "no", "yes"], "what do the columns 'no' and 'yes'", {BASE_D: 1, A: 0}),
     # either may drive
     (["x [mm]", "CH [m/s²]"], "hold: base_acceleration or acceleration", {BASE_A: 1, X: 0}),
-    (["Laser 1 [mm]", "Laser 2 [mm]"], "hold: base_displacement or disp", {BASE_D: 0, X: 1}),
     (["laser [mm]", "laser [mm]"], "hold: base_displacement or disp", {BASE_D: 0, X: 1}),
     (["Hammer [N]", "A1 [g]", "A2 [g]"], r"A2 \[g\]' hold: acceleration\?", {FORCE: 0, A: 1}),
     (["base [mm]", "acc"], "in which unit is 'acc'", {BASE_D: 0, A: 1}),
     (["base [mm]", "other [V]"], "does the column 'other .V.'", {BASE_D: 0, X: 1}),
-    (["load cell [N]"], "finds no response", None),
     # alike: nothing says which of them drives
     (["acc [g]", "pick-up: 2 [g]"], "does the column 'pick-up: 2 .g.' hold", {BASE_A: 1, A: 0}),
     (["mass acc 1 [g]", "acc 2 [g]"], "does the column 'acc 2 .g.' hold", {BASE_A: 1, A: 0}),
     (["disp 1", "disp 2", "acc 1", "acc 2"], "what do the columns", {BASE_D: 0, X: 1, A: 3}),
-    (["Signal [g]", "Reference [g]"], "hold: base_acceleration or", {BASE_A: 1, A: 0}),
     (["Hammer [V]", "Acc [g]"], "the scale of 'Hammer .V.'", {FORCE: 0, A: 1}),
     # case counts
     (["y [mm]", "x [Nm]"], "its name says displacement, its unit force", None),
