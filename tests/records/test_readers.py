@@ -82,12 +82,10 @@ LAYOUTS = {
     "semicolon and decimal comma": HEADER.replace(",", ";") + rows(";", ","),
     "tab and decimal comma": HEADER.replace(",", "\t") + rows("\t", ","),
     "a tab before each line": re.sub(r"(?m)^(?=.)", "\t", HEADER.replace(",", "\t") + rows("\t")),
-    "a tab before each row": HEADER.replace(",", "\t") + re.sub(r"(?m)^(?=.)", "\t", rows("\t")),
     "bar": HEADER.replace(",", "|") + rows("|"),
     "blanks, names in two words": "time [s]  base displacement [mm]  acc [g]\n" + rows(" "),
     "blanks and decimal comma": "time_s base_mm acc_g\n" + rows(" ", ","),
     "aligned": "time_s base_mm acc_g\n" + re.sub(r"(?m)^", "   ", rows("   ").rstrip("\n")) + "\n",
-    "quoted names": '"time [s]","base displacement [mm]","acc [g]"\n' + rows(),
     "quoted numbers": HEADER + re.sub(r"[^,\n]+", r'"\g<0>"', rows()),
     "delimiters at the end": "time [s],base [mm],acc [g],\n" + rows().replace("\n", ",\n"),
     "Windows line ends": HEADER.replace("\n", "\r\n") + rows(end="\r\n"),
@@ -252,13 +250,6 @@ def test_channels_that_are_not_used_are_listed(csv):
     with pytest.warns(RecordWarning, match=r"channels not used: 'CH 4 \[V\]' .*; say in .*yaml"):
         assert_expected(read(path))
     read(path, two(2, 3))  # on purpose
-
-
-def test_parquet_with_text_and_nulls(tmp_path):
-    path = tmp_path / "run.parquet"
-    for acc, message in (([*A[:-1], None], "8: channel 'acc' is empty"), ([*"abcdefgh"], "texts")):
-        pd.DataFrame({"time_s": T, "base_mm": Y, "acc_g": acc}).to_parquet(path)
-        refused(path, message)
 
 
 NO_FILES = {

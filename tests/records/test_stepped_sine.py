@@ -16,7 +16,6 @@ from scipy.io import savemat
 
 from dampbalance import RecordError, read_records
 from dampbalance.records.readers import mapping_to_start_from
-from dampbalance.records.stepped_sine import SteppedRecord
 from records.drafts import filled, shown
 from records.formats import row, uff_set, write_uff, xlsx
 
@@ -324,12 +323,3 @@ def test_the_draft_of_a_mapping_names_matrices_and_groups_once(tmp_path):
         savemat(tmp_path / "a.mat", written)
         draft = yaml.safe_load(mapping_to_start_from(tmp_path / "a.mat"))
         require_truth(levels_of(tmp_path / "a.mat", mapping=draft), forces)
-
-
-def test_a_record_in_time_is_no_table():
-    t = np.arange(0.0, 2.0, 1e-3)
-    columns = {"time_s": t, "base_displacement_mm": np.cos(22.0 * t), "x_mm": np.sin(22.0 * t)}
-    more = {"frequency (Hz)": np.full(t.size, 3.5), "phase (rad)": np.sin(t)}
-    (record,) = read_records(columns | more)
-    assert not isinstance(record, SteppedRecord)
-    assert {*record.corrected()} == {"base_displacement", "displacement"}
