@@ -1,9 +1,10 @@
-"""Records in every format that is read, as each format's own library writes them, for tests of the readers."""
+"""Records in every format that is read, as each format's own library or a spreadsheet writes them."""
 
 from __future__ import annotations
 
 import json
 import warnings
+import zipfile
 
 import h5py
 import nptdms
@@ -85,3 +86,46 @@ def write_uff(path, sets):
         warnings.simplefilter("ignore", ResourceWarning)
         path.unlink(missing_ok=True)
         pyuff.UFF(str(path)).write_sets(sets, mode="add")
+
+
+# Workbooks
+
+OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+STYLES = '<styleSheet><cellXfs count="2"><xf/><xf numFmtId="22" applyNumberFormat="1"/></cellXfs></styleSheet>'
+
+
+def related(*targets):
+    lines = (
+        f'<Relationship Id="r{i}" Type="{OFFICE}/{kind}" Target="{target}"/>'
+        for i, (kind, target) in enumerate(targets, start=1)
+    )
+    return f"<Relationships>{''.join(lines)}</Relationships>"
+
+
+def xlsx(path, *sheets):
+    """A workbook of sheets, each the texts of its rows; its second style of cells is a date."""
+    numbers = range(1, len(sheets) + 1)
+    names = "".join(f'<sheet name="s{i}" sheetId="{i}" r:id="r{i}"/>' for i in numbers)
+    files = [("worksheet", f"worksheets/sheet{i}.xml") for i in numbers]
+    parts = {
+        "_rels/.rels": related(("officeDocument", "xl/workbook.xml")),
+        "xl/workbook.xml": f'<workbook xmlns:r="{OFFICE}"><sheets>{names}</sheets></workbook>',
+        "xl/_rels/workbook.xml.rels": related(*files, ("styles", "styles.xml")),
+        "xl/styles.xml": STYLES,
+    }
+    head = '<worksheet><dimension ref="A1:B2"/><sheetData>'
+    for (_, name), rows in zip(files, sheets, strict=True):
+        parts[f"xl/{name}"] = "".join([head, *rows, "</sheetData></worksheet>"])
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, text in parts.items():
+            file.writestr(name, text)
+
+
+def row(cells, style=0):
+    """A row; style : of its first cell."""
+    kinds = (
+        ' t="str"' * isinstance(v, str) + f' s="{style}"' * (i == 0) for i, v in enumerate(cells)
+    )
+    return (
+        f"<row>{''.join(f'<c{k}><v>{v}</v></c>' for k, v in zip(kinds, cells, strict=True))}</row>"
+    )

@@ -1,4 +1,5 @@
-"""Units: their spellings, their size in SI, what they fit, and where headers hide them."""
+"""Units: their spellings, their size in SI, what they fit, and where headers hide them; and headings of channels as
+instruments and people write them: the quantity and its unit, a time, or nothing of use."""
 
 from __future__ import annotations
 
@@ -7,59 +8,35 @@ import math
 import pytest
 
 from dampbalance.model import named_with_unit
-from dampbalance.records.units import DIMENSIONS, UNITS, UnitError, find_unit, split_label, unit_for
+from dampbalance.records.headings import holds_time, quantity_of, unit_of, unusable
+from dampbalance.records.table import RawChannel
+from dampbalance.records.units import (
+    DIMENSIONS,
+    UNITS,
+    UnitError,
+    find_motion,
+    find_unit,
+    split_label,
+    unit_for,
+)
 
 # The definitions: the inch is 25.4 mm, standard gravity 9.80665 m/s², the pound-force 0.45359237 kg under it.
-_LENGTHS = {
-    "m": 1.0,
-    "cm": 0.01,
-    "mm": 0.001,
-    "µm": 1e-6,
-    "nm": 1e-9,
-    "in": 0.0254,
-    "ft": 0.3048,
-    "mil": 25.4e-6,
-}
+G, LBF, INCH, DEGREE = 9.80665, 0.45359237 * 9.80665, 0.0254, math.pi / 180.0
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 1e-3, "µm": 1e-6, "nm": 1e-9}
+LENGTHS |= {"in": INCH, "ft": 12.0 * INCH, "mil": 1e-3 * INCH}
 IN_SI = {
-    **_LENGTHS,
-    **{f"{name}/s": factor for name, factor in _LENGTHS.items()},
-    **{f"{name}/s²": _LENGTHS[name] for name in ("m", "cm", "mm", "in", "ft")},
-    "g": 9.80665,
-    "mg": 0.00980665,
-    "N": 1.0,
-    "mN": 0.001,
-    "µN": 1e-6,
-    "daN": 10.0,
-    "kN": 1000.0,
-    "kgf": 9.80665,
-    "lbf": 0.45359237 * 9.80665,
-    "ozf": 0.45359237 * 9.80665 / 16,
-    "kip": 453.59237 * 9.80665,
-    "s": 1.0,
-    "ms": 0.001,
-    "µs": 1e-6,
-    "ns": 1e-9,
-    "min": 60.0,
-    "h": 3600.0,
-    "Hz": 1.0,
-    "kHz": 1000.0,
-    "MHz": 1e6,
-    "rad/s": 0.5 / math.pi,  # Hz
-    "rad": 1.0,
-    "mrad": 0.001,
-    "deg": math.pi / 180.0,
-    "deg/s": math.pi / 180.0,
-    "rpm": math.pi / 30.0,
-    "rad/s²": 1.0,
-    "deg/s²": math.pi / 180.0,
-    "N m": 1.0,
-    "N cm": 0.01,
-    "N mm": 0.001,
-    "mN m": 0.001,
-    "kN m": 1000.0,
-    "ozf in": 0.45359237 * 9.80665 / 16.0 * 0.0254,
-    "lbf in": 0.45359237 * 9.80665 * 0.0254,
-    "lbf ft": 0.45359237 * 9.80665 * 0.3048,
+    **LENGTHS,
+    **{f"{name}/s": factor for name, factor in LENGTHS.items()},
+    **{f"{name}/s²": LENGTHS[name] for name in ("m", "cm", "mm", "in", "ft")},
+    **{"g": G, "mg": 1e-3 * G},
+    **{"N": 1.0, "mN": 1e-3, "µN": 1e-6, "daN": 10.0, "kN": 1e3},
+    **{"kgf": G, "lbf": LBF, "ozf": LBF / 16.0, "kip": 1e3 * LBF},
+    **{"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
+    **{"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "rad/s": 0.5 / math.pi},  # Hz
+    **{"rad": 1.0, "mrad": 1e-3, "deg": DEGREE},
+    **{"deg/s": DEGREE, "rpm": math.pi / 30.0, "rad/s²": 1.0, "deg/s²": DEGREE},
+    **{"N m": 1.0, "N cm": 0.01, "N mm": 1e-3, "mN m": 1e-3, "kN m": 1e3},
+    **{"ozf in": LBF / 16.0 * INCH, "lbf in": LBF * INCH, "lbf ft": LBF * 12.0 * INCH},
 }
 
 
@@ -70,28 +47,28 @@ def test_units_in_si():
     assert unit_for("rad/s", "angular_velocity").factor == 1.0
 
 
-@pytest.mark.parametrize(
-    ("spelling", "name"),
-    [
-        *(("um", "µm"), ("μm", "µm")),  # the Greek letter, not the micro sign
-        *(("[mm]", "mm"), (" MM ", "mm"), ("inch", "in"), ("G", "g"), ("Sec", "s"), ("usec", "µs")),
-        *((text, "m/s²") for text in ("m/s^2", "m/s2", "m/s**2", "m s-2", "m·s⁻²", "m_per_s2")),
-        *(("m/s/s", "m/s²"), ("m/sec^2", "m/s²"), ("m s^-1", "m/s"), ("um/s", "µm/s")),
-        ("1/s", "Hz"),
-        *(("uN", "µN"), ("KIPS", "kip"), ("feet", "ft"), ("thou", "mil")),
-        *(("°", "deg"), ("°/s", "deg/s"), ("deg/s^2", "deg/s²"), ("1/min", "rpm"), ("RPM", "rpm")),
-        *((text, "N m") for text in ("Nm", "N·m", "N*m", "N_m", "N.m", "N-m")),
-        *((text, "ozf in") for text in ("ozf·in", "oz-in", "oz in", "ozf_in", "in-ozf")),
-        *(("Nmm", "N mm"), ("mNm", "mN m"), ("lb-in", "lbf in"), ("ft-lb", "lbf ft")),
-    ],
-)
-def test_spellings(spelling, name):
-    assert find_unit(spelling).name == name
+SPELLINGS = {
+    "µm": ("um", "μm"),  # the Greek letter, not the micro sign
+    **{"mm": ("[mm]", " MM "), "in": ("inch",), "ft": ("feet",), "mil": ("thou",), "g": ("G",)},
+    **{"s": ("Sec",), "µs": ("usec",), "Hz": ("1/s",), "µN": ("uN",), "kip": ("KIPS",)},
+    **{"m/s": ("m s^-1",), "µm/s": ("um/s",), "deg": ("°",), "deg/s": ("°/s",)},
+    "m/s²": ("m/s^2", "m/s2", "m/s**2", "m s-2", "m·s⁻²", "m_per_s2", "m/s/s", "m/sec^2"),
+    **{"deg/s²": ("deg/s^2",), "rpm": ("1/min", "RPM"), "N mm": ("Nmm",), "mN m": ("mNm",)},
+    "N m": ("Nm", "N·m", "N*m", "N_m", "N.m", "N-m"),
+    "ozf in": ("ozf·in", "oz-in", "oz in", "ozf_in", "in-ozf"),
+    **{"lbf in": ("lb-in",), "lbf ft": ("ft-lb",)},
+}
+# MN is not mN: where the case decides, it must be right
+NONE = ["", "V", "MN", "Mg", "mhz", "furlong", "m/m", "s2", "Mhz", "NM", "MNm", "kn", "MS", "Ns"]
 
 
-@pytest.mark.parametrize("text", ["", "V", "MN", "Mg", "mhz", "furlong", "m/m", "s2", "Mhz"])
+@pytest.mark.parametrize("name", SPELLINGS)
+def test_spellings(name):
+    assert {find_unit(text).name for text in SPELLINGS[name]} == {name}
+
+
+@pytest.mark.parametrize("text", NONE)
 def test_what_is_no_unit(text):
-    # MN is not mN: where the case decides, it must be right
     assert find_unit(text) is None
 
 
@@ -105,12 +82,10 @@ def test_every_unit_is_found_by_its_name_and_its_header_suffix():
 @pytest.mark.parametrize("quantity", DIMENSIONS)
 def test_only_units_of_the_dimension_fit(quantity):
     for unit in UNITS:
+        dimension = find_unit(unit.name, DIMENSIONS[quantity]).dimension  # rad/s has two
         if unit.dimension == DIMENSIONS[quantity]:
             assert unit_for(unit.name, quantity) is unit
-        else:
-            dimension = find_unit(unit.name, DIMENSIONS[quantity]).dimension  # rad/s has two
-            if dimension == DIMENSIONS[quantity]:
-                continue
+        elif dimension != DIMENSIONS[quantity]:
             with pytest.raises(UnitError, match=f"is a unit of {dimension}, but"):
                 unit_for(unit.name, quantity)
 
@@ -120,28 +95,96 @@ def test_an_unknown_unit_names_the_nearest_and_those_that_fit():
         unit_for("mmm", "displacement")
 
 
-@pytest.mark.parametrize(
-    ("label", "parts"),
-    [
-        ("x [mm]", ("x", "mm")),
-        ("x(mm)", ("x", "mm")),
-        ("x / mm", ("x", "mm")),
-        ("x/mm", ("x", "mm")),
-        ("a/(m/s²)", ("a", "m/s²")),
-        ("Temperatur/°C", ("Temperatur", "°C")),
-        ("on/off", ("on/off", None)),
-        ("signals[2]", ("signals[2]", None)),
-        ("x, mm", ("x", "mm")),
-        ("base displacement in µm", ("base displacement", "µm")),
-        ("acc_m_per_s2", ("acc", "m_per_s2")),
-        ("base_displacement_m", ("base_displacement", "m")),
-        ("time_s", ("time", "s")),
-        ("x", ("x", None)),
-        ("x_rel", ("x_rel", None)),
-        ("CH1 [V]", ("CH1", "V")),  # unknown, but clearly meant as one
-        ("x []", ("x", None)),
-        ("m", ("m", None)),  # a name is never empty
-    ],
-)
-def test_labels(label, parts):
-    assert split_label(label) == parts
+LABELS = {
+    ("x", "mm"): ("x [mm]", "x(mm)", "x / mm", "x/mm", "x, mm"),
+    ("a", "m/s²"): ("a/(m/s²)",),
+    ("Temperatur", "°C"): ("Temperatur/°C",),
+    ("base displacement", "µm"): ("base displacement in µm",),
+    ("acc", "m_per_s2"): ("acc_m_per_s2",),
+    ("base_displacement", "m"): ("base_displacement_m",),
+    ("CH1", "V"): ("CH1 [V]",),  # unknown, but clearly meant as one
+    **{(name, None): (name,) for name in ("on/off", "signals[2]", "x", "x_rel")},
+    ("x", None): ("x", "x []"),
+    ("m", None): ("m",),  # a name is never empty
+}
+
+
+@pytest.mark.parametrize("parts", LABELS)
+def test_labels(parts):
+    assert {split_label(label) for label in LABELS[parts]} == {parts}
+
+
+# Headings
+
+
+def channel(heading):
+    """The channel of a column with a heading."""
+    name, unit = split_label(heading)
+    return RawChannel(name, unit, label=heading)
+
+
+HEADINGS = {
+    "base_displacement": ("base displacement [mm]", "Weg Tisch/mm", "TableDisp (um)", "ground, mm"),
+    "base_acceleration": (
+        "Base [g]",
+        "Fußpunktbeschleunigung in m/s^2",
+        "FUSSPUNKT-BESCHLEUNIGUNG/g",
+    ),
+    "force": ("Erregung (N)", "shaker force/N", "Kraft in N", "F [N]", "forc (N)"),
+    "displacement": ("x/mm", "Data Set 1:Angle(rad)", "pitch [deg]", "Auslenkung Masse (mm)"),
+    "velocity": ("velocity_5 (m/s)", "Geschwindigkeit (mm/s)", "v/(m/s)", "v/m/s"),
+    "acceleration": ("acc y [g]", "accel_x (mm/s²)", "Beschleunigung/g", "Antwort [m/s²]"),
+    "relative_displacement": ("relative displacement [mm]", "Relativweg/mm", "x_rel_mm"),
+    "relative_velocity": ("rel vel (m/s)",),
+    "relative_acceleration": ("Relative [g]",),
+}
+
+
+@pytest.mark.parametrize("quantity", HEADINGS)
+def test_quantities(quantity):
+    channels = [*map(channel, HEADINGS[quantity])]
+    assert {quantity_of(raw) for raw in channels} == {quantity}
+    assert {find_motion(raw.unit).counterpart for raw in channels} == {DIMENSIONS[quantity]}
+    assert not any(map(holds_time, channels))
+
+
+GUESSES = {
+    "Table laser 2 [mm]": "base_displacement",
+    "mass minus base (mm)": "relative_displacement",
+    "Auslenkung Masse relativ zum Tisch (mm)": "relative_displacement",
+    "base velocity [m/s]": None,  # drives nothing here
+    "response": "displacement",
+    **dict.fromkeys(["CH1 [mm]", "mass force [N]", "CH1/V"]),
+}
+
+
+@pytest.mark.parametrize("heading", GUESSES)
+def test_what_is_guessed_at_the_most(heading):
+    assert quantity_of(channel(heading)) is None
+    assert quantity_of(channel(heading), all_words=False) == GUESSES[heading]
+
+
+TIMES = {
+    **dict.fromkeys(["Zeit/s", "Data Set 1:Time(s)", "Elapsed Time (s)", "X_Value", "second"], "s"),
+    **{"t [ms]": "ms", "relative time (µs)": "µs", "Zeit  1 - Standardmessrate [s]": "s"},
+    **dict.fromkeys(["x-axis", "TIME", "Date/Time"]),
+}
+
+
+@pytest.mark.parametrize("heading", TIMES)
+def test_times(heading):
+    raw = channel(heading)
+    assert holds_time(raw)
+    assert (unit_of(raw) and find_unit(unit_of(raw)).name) == TIMES[heading]
+
+
+NO_MOTION = {
+    **dict.fromkeys(["Temperatur/°C", "T [K]", "TEMP1", "room (degC)"], "a temperature"),
+    **{"I/A": "a current", "oil (bar)": "a pressure"},
+    **dict.fromkeys(["n/1/min", "T [Nm]", "CH1 [V]", "template", "K [mm]", "acceleration/g"]),
+}
+
+
+@pytest.mark.parametrize("heading", NO_MOTION)
+def test_what_is_no_motion(heading):
+    assert unusable(channel(heading)) == NO_MOTION[heading]

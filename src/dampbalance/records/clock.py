@@ -293,11 +293,12 @@ def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
     """Return minus the log-likelihood of the samples around row i, by what a polynomial leaves of them; NaN for few."""
     own = slice(max(0, i + 1 - _AROUND), i + 1 + _AROUND)
     values = signal[own] - signal[min(i, signal.size - 1)]
-    if values.size <= _AROUND or not np.abs(values).max() > 0.0:  # NaN is not
+    size = float(np.abs(values).max(initial=0.0))
+    if values.size <= _AROUND or not size > 0.0:  # NaN is not
         return math.nan
-    left = np.polyfit(number[own] - number[own].mean(), values, degree, full=True)[1].sum()
+    left = np.polyfit(number[own] - number[own].mean(), values / size, degree, full=True)[1].sum()
     # sum of squares relative to that of the signal: less is rounding
-    return _AROUND * math.log(left + 1e-20 * np.abs(values).max() ** 2)
+    return _AROUND * (math.log(left + 1e-20) + 2.0 * math.log(size))
 
 
 def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
@@ -371,7 +372,9 @@ def _interpolation_error(clock: Clock, signal: Array) -> float:
         return 0.0
     if tick := _tick(signal):
         return 0.5 * tick / float(samples.std())
-    power = np.abs(np.fft.rfft(samples * np.hanning(samples.size))) ** 2
+    # squares of the smallest numbers would be 0
+    samples = samples / np.abs(samples).max() * np.hanning(samples.size)
+    power = np.abs(np.fft.rfft(samples)) ** 2
     omega = 2.0 * math.pi * np.fft.rfftfreq(samples.size)
     steps = np.minimum(np.diff(clock.number), _GAP * _WIDEST)
     h = maximum_filter1d(steps, 5)
