@@ -83,19 +83,22 @@ def test_cycles_that_are_few_left_out_or_clipped():
     ],
 )
 def test_a_frequency_that_differs_is_named(off, error, cycles, differs):
+    assert list(checks.frequency(OMEGA * (1.0 + off), OMEGA * error, cycles, None)) == []
     found = list(checks.frequency(OMEGA * (1.0 + off), OMEGA * error, cycles, 5.0))
     assert [one.effect[""] for one in found] == pytest.approx([abs(off)] * differs)
     assert [one.numbers["off"] for one in found] == pytest.approx([off] * differs)
 
 
-def test_another_frequency_is_refused():
-    assert list(checks.frequency(OMEGA, 0.0, 20, None)) == []
-    for factor in (1.051, 0.949):
-        with pytest.raises(ValueError, match="wrong frequency, wrong column"):
-            list(checks.frequency(factor * OMEGA, 0.0, 20, 5.0))
-    for given in (0.0, math.nan, math.inf):
-        with pytest.raises(ValueError, match="the drive frequency must be positive"):
-            list(checks.frequency(OMEGA, 0.0, 20, given))
+@pytest.mark.parametrize(
+    ("given", "refusal"),
+    [
+        *((5.0 / factor, "wrong frequency, wrong column") for factor in (1.051, 0.949)),
+        *((odd, "the drive frequency must be positive") for odd in (0.0, math.nan, math.inf)),
+    ],
+)
+def test_another_frequency_is_refused(given, refusal):
+    with pytest.raises(ValueError, match=refusal):
+        list(checks.frequency(OMEGA, 0.0, 20, given))
 
 
 # --- consistency: nine cycles, eight of whose ratios scatter by ±d about their mean: its error is √(8d²/(2 · 8 · 9)) --

@@ -116,15 +116,10 @@ def test_harmonics_that_a_filter_does_not_pass_are_none():
     [
         ({"delay": "3 mm"}, "delay: the delay must be a number of s, or one with its unit"),
         ({"gain": 0}, "gain"),
-        ({"high_pass": {"corner_hz": 0}}, "high_pass.corner_hz"),
         ({"high_pass": {}}, "high_pass: {} is not allowed. Needs corner_hz, with its order"),
-        ({"low_pass": {"order": 2}}, "low_pass: {'order': 2} is not allowed. Needs corner_hz"),
-        ({"low_pass": {"corner_hz": 5, "order": 0}}, "low_pass.order"),
         ({"low_pass": {"corner_hz": 5, "poles_rad_per_s": [-3]}}, "one of the two"),
         ({"low_pass": {"poles_rad_per_s": [-3], "order": 1}}, "order: 1 is not allowed. Belongs"),
-        ({"low_pass": {"poles_rad_per_s": [3]}}, "low_pass.poles_rad_per_s[1]"),
         ({"low_pass": {"poles_rad_per_s": [[0, 3]]}}, "low_pass.poles_rad_per_s[1]"),
-        ({"low_pass": {"poles_rad_per_s": []}}, "low_pass.poles_rad_per_s"),
     ],
 )
 def test_nonsense_is_named(told, said):

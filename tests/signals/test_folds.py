@@ -6,11 +6,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import pandas as pd
 import pytest
-from scipy.stats import binom
 
-from blind import folding
 from dampbalance import BaseMotion, Oscillator, identify_forced, steady_orbit
 from dampbalance.motion.law_steady import steady_response
 from dampbalance.records.channel import Channel
@@ -96,13 +93,3 @@ def test_the_oscillator_is_found_with_a_filter_and_without(filtered):
         # four standard errors, twice the interval
         assert abs(getattr(OSC, symbol) - middle) < 2.0 * half < 0.01 * middle, symbol
         assert found.verdicts[symbol].verdict == "usable"
-
-
-def test_many_draws_at_whole_numbers_of_samples():
-    runs = [(hertz, i, 1) for hertz in folding.FREQUENCIES for i in range(50)]
-    rows = pd.DataFrame([row for run in runs for row in folding.outcome(run)])
-    # no more than chance makes it, but once in a thousand
-    for _, one in rows.groupby(["hertz", "symbol"]):
-        assert one["outside"].sum() <= binom.ppf(0.999, len(one), 0.05)
-    sets = rows[rows["symbol"] == "c"]
-    assert (sets["causes"] != "").sum() <= binom.ppf(0.999, len(sets), 0.02)

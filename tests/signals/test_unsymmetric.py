@@ -87,15 +87,6 @@ def test_replicates_scatter_about_the_estimate_as_the_standard_errors_say():
         assert abs(values.mean() - getattr(read.features, feature)[0]) < 0.15 * error, feature
 
 
-def test_the_squares_of_even_harmonics_are_freed_of_the_noise():
-    read = reading("position", 1.5, 4, cycles=200.2)
-    assert read.steady.even_bandwidth >= 4
-    means = read.mean, read.resampled(10_000, np.random.default_rng(2))
-    squares, drawn = (read.series(mean).squares[:, -2:] for mean in means)
-    # replicates have the noise of the mean and their own; 10,000 know their mean to 1/100 of the scatter: four of these
-    assert np.all(np.abs(drawn.mean(axis=0) - squares) < 0.04 * drawn.std(axis=0))
-
-
 def test_one_step_of_gain_and_time_turns_every_harmonic():
     read, cycle = reading("both"), steady(MOTIONS["both"])
     angle, omega = 1e-3, read.steady.omega
