@@ -89,28 +89,21 @@ def test_a_frequency_that_differs_is_named(off, error, cycles, differs):
     assert [one.numbers["off"] for one in found] == pytest.approx([off] * differs)
 
 
-@pytest.mark.parametrize(
-    ("given", "refusal"),
-    [
-        *((5.0 / factor, "wrong frequency, wrong column") for factor in (1.051, 0.949)),
-        *((odd, "the drive frequency must be positive") for odd in (0.0, math.nan, math.inf)),
-    ],
-)
-def test_another_frequency_is_refused(given, refusal):
-    with pytest.raises(ValueError, match=refusal):
-        list(checks.frequency(OMEGA, 0.0, 20, given))
+def test_another_frequency_is_refused():
+    for given in (5.0 / 1.051, 5.0 / 0.949, 0.0, math.nan, math.inf):
+        other = "wrong frequency, wrong column" if 4.0 < given < 6.0 else "must be positive"
+        with pytest.raises(ValueError, match=other):
+            list(checks.frequency(OMEGA, 0.0, 20, given))
 
 
-# --- consistency: nine cycles, eight of whose ratios scatter by ±d about their mean: its error is √(8d²/(2 · 8 · 9)) --
+# --- consistency: nine cycles, four of whose ratios scatter by ±d about their mean: its error is √(4d²/(2 · 8 · 9)) ---
 
 
 def pair_of_responses(gain, phase, error=1e-3):
     """x, harmonics 0 … 3, and v as a displacement that is larger and later, scattering about that."""
     x = np.tile([0.0, 2.0, 0.3j, 0.1], (9, 1)).astype(np.complex128)
     v = gain * x * np.exp(1j * np.arange(4) * phase)
-    v[:, 1] += (
-        2.0j * math.sqrt(18.0) * error * np.array([1.0, -1.0, 1.0, -1.0, 0.0, 1.0, -1.0, 1.0, -1.0])
-    )
+    v[[0, 1, 2, 3], 1] += 2.0j * 6.0 * error * np.array([1.0, -1.0, 1.0, -1.0])
     return {"x": x, "v": v}
 
 

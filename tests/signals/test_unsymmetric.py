@@ -66,17 +66,6 @@ def test_of_a_symmetric_record_nothing_even_is_read():
     assert read.warnings == ()
 
 
-@pytest.mark.parametrize("name", ["position", "both"])
-def test_standard_errors_of_ten_cycles_are_those_of_the_scatter(name):
-    readings = [reading(name, 0.01, seed) for seed in range(60)]
-    for feature in ("X", "a", "b", "W"):
-        values = np.array([getattr(r.features, feature)[0] for r in readings])
-        error = math.sqrt(np.mean([r.standard_errors[feature] ** 2 for r in readings]))
-        # 60 runs know the scatter to 9 %, and its square root of a mean of jackknives of ten rows to 3 %: three times
-        assert values.std(ddof=1) == pytest.approx(error, rel=0.3), feature
-        assert abs(values.mean() - true(steady(MOTIONS[name]))[feature]) < 0.5 * error, feature
-
-
 def test_replicates_scatter_about_the_estimate_as_the_standard_errors_say():
     read = reading("both", 0.01, 1)
     drawn = read.features_of(read.resampled(3000, np.random.default_rng(1)))
@@ -106,15 +95,6 @@ def test_a_motion_that_stops_is_neither_clipped_nor_dropped_out(name, step):
     kept = condition(record(name, 1e-3, 3, step), 1191.0)
     assert kept.cycles == 10
     assert not {"clipped", "spikes"} & {one.code for one in kept.warnings}
-
-
-def test_stops_that_begin_earlier_in_one_cycle_than_in_the_next_are_no_drop_outs():
-    of, rng = steady(Stopping(forward=1.4, back=1.4)), np.random.default_rng(1)
-    t = np.arange(2500) / 250.0
-    early = np.interp(t, np.arange(22) / 2.0, 0.01 * rng.standard_normal(22))
-    x = 1e-6 * np.round(of.x(t + early) / 1e-6 + 0.1 * rng.standard_normal(t.size))
-    y = Channel("base_displacement", t, of.of.y(t))
-    assert condition(Record.of("early", [y, Channel("displacement", t, x)]), of.of.k).cycles == 10
 
 
 def held(x):

@@ -13,6 +13,7 @@ import pytest
 from dampbalance import steady_orbit
 from dampbalance.identification.forced import identify_readings
 from dampbalance.identification.oscillator import common_fit
+from dampbalance.motion.sliders import spread_contact
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.mean_harmonics import read_features
 from dampbalance.studies import evaluate
@@ -90,12 +91,16 @@ def test_without_noise_the_truth_comes_back(computed):
     axes = [{"frequency_hz": {"values": [*FREQUENCIES_HZ.values()]}}]
     route = SMALL["route"] | {"noise": 0.0, "sampling_hz": 5000}
     changed = document("noisy", axes=axes, route=route, summary_by=None, figure=None)
+    changed["estimation"]["contact"] = ["compliant", "rigid"]
     _, table, _ = computed(changed)
+    _, exact, _ = computed({key: changed[key] for key in ("axes", "levels_m", "estimation")})
     # Direct integration of the record's harmonics and of the waveform beyond: what is left is the waveform's fit.
     assert table[f"F_k_relative_error__{DIRECT}"].abs().max() < 1e-4
     assert table[f"c_relative_error__{DIRECT}"].abs().max() < 1e-5
     # The Fourier balance: what it leaves out, 0.08 % of F_k for the two levels at 3.5 Hz (tests of balance.py).
     assert table["F_k_relative_error__fourier__least_squares"].abs().max() < 1e-3
+    rigid = "F_k_relative_error__direct__rigid__least_squares"
+    np.testing.assert_allclose(table[rigid], exact[rigid], atol=1e-4)
     assert (table["regime"] == "one_slip").all()
 
 
@@ -214,3 +219,53 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         bounds = [statistics.share_interval(round(30 * of), 30) for of in share]
         ends = np.array(bars.get_segments())[:, :, 1]
         assert ends == pytest.approx(100.0 * np.array(bounds))
+
+
+# --- a contact that yields gradually: the records are those of several sliders, the fit that of one --
+
+FIT = "fit__F_k+c+K_z__maximum_likelihood"
+GRADUAL = {
+    "axes": [{"slip_range": {"values": [1, 10]}}],
+    "base": {"K_z_over_k": 10.0},
+    "levels_m": [0.004, 0.008],
+    "route": {**document("noisy")["route"], "noise": 0.001},
+    "estimation": {"approaches": ["direct"], "yardsticks": ["K_z"]},
+    "figure": {"kind": "curves", "x": "slip_range"},
+}
+
+
+def test_the_elements_share_stiffness_and_friction():
+    r, kappa = spread_contact(PAPER, 30.0)
+    assert np.sum(kappa) == pytest.approx(PAPER.K_z, rel=1e-14)
+    assert kappa @ r == pytest.approx(PAPER.F_k, rel=1e-14)
+    assert r[-1] / r[0] == pytest.approx(30.0, rel=1e-14)
+    np.testing.assert_allclose(np.diff(np.log(r)), np.log(30.0) / 31.0, rtol=1e-10)
+    np.testing.assert_allclose(spread_contact(PAPER, 1.0)[0], PAPER.Z_m, rtol=1e-14)
+
+
+def test_one_slider_is_as_stiff_as_takes_the_same_energy(computed):
+    """Its loss 4F_k(X − F_k/K_z) is Σ 4κ_j r_j (X − r_j) for F_k = Σ κ_j r_j and K_z = F_k²/Σ κ_j r_j²."""
+    study, table, path = computed(GRADUAL)
+    axes = [{"K_z_over_k": {"values": [10.0]}}]
+    _, plain, _ = computed(GRADUAL | {"axes": axes, "base": {}, "figure": None})
+    for symbol in ("F_k", "c", "K_z"):
+        column = f"{symbol}_relative_error__{FIT}"
+        # the records of r_max = r_min differ from those of one slider by rounding: 1e-9 is what a fit makes of that
+        assert table[column][0] == pytest.approx(plain[column][0], abs=1e-7)
+    r = np.geomspace(1.0, 10.0, 32)
+    # of the loss alone; the waveforms have their say, which makes 0.07 at most of K_z/k = 2 to 90 (the study)
+    expected = r.mean() ** 2 / np.mean(r**2) - 1.0
+    assert table[f"K_z_relative_error__{FIT}"][1] == pytest.approx(expected, abs=0.07)
+    assert abs(table[f"F_k_relative_error__{FIT}"][1]) < 0.01
+    rows = summary.summary_of(path, study)
+    assert rows.groupby("quantity")["approach"].apply(set)["K_z"] == {"fit"}
+
+
+@pytest.mark.parametrize("ranges", [[1, 10], [10]])
+def test_a_contact_that_yields_gradually_has_no_bound_of_one_slider(make, ranges):
+    axes = [{"slip_range": {"values": ranges}}, {"run": {"values": [1, 2]}}]
+    of_one = GRADUAL | {"axes": axes[1:], "route": {**GRADUAL["route"], "slip_range": 10.0}}
+    study = make((GRADUAL | {"axes": axes} if len(ranges) > 1 else of_one) | {"figure": None})
+    *one, gradual = (bounds_of(study, np.array([2 * i, 2 * i + 1])) for i in range(len(ranges)))
+    assert np.isnan([*gradual.values()]).all()
+    assert all(0.0 < of["F_k"] < 1.0 for of in one)

@@ -89,13 +89,10 @@ def test_an_axis_takes_further_values_in_their_places(make):
 # --- the shipped texts -----------------------------------------------------------------------------
 
 
-def error_of_F_k(
-    hz, approach="X_s", levels=LEVELS, phase="reversal", rigid=False, common=False, **other
-):
+def error_of_F_k(hz, approach="X_s", levels=LEVELS, phase="reversal", rigid=False, **other):
     """Relative error of F_k by least squares, from single orbits."""
     osc = replace(PAPER, **other)
     seen = features_at(hz, levels, osc).with_phase(phase)
-    seen = seen.with_common("phi", "t_s") if common else seen
     rows = APPROACHES[approach](seen.rigid() if rigid else seen, osc.k)
     return float(least_squares(rows)["F_k"]) / osc.F_k - 1.0
 
@@ -156,12 +153,3 @@ def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped
 
     expected = number_text(brentq(excess, 5.0, 200.0, rtol=1e-6), 3)
     assert shipped("rigid_contact")[f"from_omega{number_of}"] == expected
-
-
-@pytest.mark.parametrize("sharing", ["common", "individual"])
-def test_the_band_of_the_harmonic_approach_ends_where_its_error_is_five_per_cent(shipped, sharing):
-    def excess(hz):
-        return abs(error_of_F_k(hz, common=sharing == "common")) - 0.05
-
-    ends = brentq(excess, 3.8, 4.6), brentq(excess, 5.2, 6.2)
-    assert shipped("frequency")[f"band_{sharing}"] == "{:.2f} to {:.2f}".format(*ends)

@@ -7,9 +7,6 @@ import pytest
 
 from dampbalance.balance import APPROACHES
 from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, features_at, orbits_at
-from studies.documents import document
-
-STUDY = document("rigid")
 
 
 @pytest.fixture(scope="module")
@@ -72,19 +69,3 @@ def test_least_squares_in_closed_form(table, hertz):
         X_s, t_s, V_s = (table[of_onset(name, "rigid__")][hertz] for name in ("X_s", "t_s", "V_s"))
         assert (t_s, V_s) == pytest.approx((X_s, X_s), rel=1e-9)
         assert abs(table[of_onset("X_s", "")][hertz] - X_s) > 1e-6
-
-
-def test_records_without_noise_give_the_same(computed, table):
-    """The route of noisy records, at no noise: the rigid model of what is read is that of the exact features."""
-    changed = STUDY | {
-        "route": {"kind": "measured", "sampling_hz": 2000, "cycles": 12, "seed": 1, "noise": 0.0},
-        "columns": ["errors", "intervals"],
-        "estimation": STUDY["estimation"] | {"approaches": ["direct"], "weights": ["equal"]},
-    }
-    _, read, _ = computed(changed)
-    for q in ("F_k", "c"):
-        equal = f"{q}_{{}}__direct__rigid__equal__least_squares".format
-        exact = table[f"{q}_relative_error__direct__rigid__least_squares"]
-        # what is left is the fit of the waveform beyond the harmonics read: test_mean_harmonics.py
-        np.testing.assert_allclose(read[equal("relative_error")], exact, atol=1e-4)
-        assert np.isfinite(read[equal("covered")]).all()
