@@ -158,6 +158,16 @@ def test_a_flat_top_is_no_drop_out_and_a_clipped_one_is_counted(low, high, clipp
     assert (found.clipped, found.bad_cycles) == (clipped, ())
 
 
+def test_a_drifting_offset_adds_what_the_drift_says():
+    t = DT * np.arange(9000)
+    found = rows_of(t, 5.0 * t + 0.7 * t**2, harmonics=4)
+    rate = 5.0 + 1.4 * found.times
+    expected = (np.outer(rate, found.drift[0]) + 0.7 * found.drift[1])[:, 1:].mean(axis=0)
+    # the middle of a cycle's samples is up to half a sample, 0.25 %, off the middle of the cycle
+    off = np.abs(found.coefficients[:, 1:].mean(axis=0) - expected)
+    assert off.max() < 1e-3 * np.abs(expected).mean()
+
+
 @pytest.mark.parametrize("cycles", [5.3, 60.0])
 def test_frequency_of_a_clean_signal_is_exact(cycles):
     t = 3.0 + np.arange(0.0, cycles * 2 * math.pi / OMEGA, DT)

@@ -52,6 +52,12 @@ def test_averages_over_one_cycle_miss_what_shorter_ones_see():
     assert (first, rest) == (2 * SIZE // 8 - 4, 2 * SIZE - 2 * SIZE // 8)
 
 
+def test_the_chance_of_a_line_of_a_short_residual_is_that_of_fisher():
+    turn = 2.0 * np.pi * np.arange(10) / 10
+    # of four lines, one with 80 % of the power: 4 (1 − 0.8)³
+    assert chance_of_lines([2.0 * np.cos(turn) + np.cos(2.0 * turn)]) == pytest.approx(0.032)
+
+
 @pytest.mark.parametrize("digits", [0.0, 0.02], ids=["real", "digitised"])
 def test_a_residual_louder_than_the_samples_is_named(digits):
     """A decay with ringing that a fit has not caught: its residual is 5.3 times the noise of the samples."""

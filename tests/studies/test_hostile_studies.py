@@ -91,7 +91,7 @@ def test_many_are_refused_or_made(tmp_path_factory, name, edits):
         assert "<script" not in page.replace("\\<", "")
 
 
-@pytest.mark.parametrize("kind", SOUND)
+@pytest.mark.parametrize("kind", ["map", "scatter"])
 def test_the_studies_that_the_draws_start_from_are_sound(tmp_path, make, kind):
     assert built(make(SOUND[kind]), tmp_path).startswith("# Test")
 
