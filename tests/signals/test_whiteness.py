@@ -50,6 +50,8 @@ def test_averages_over_one_cycle_miss_what_shorter_ones_see():
     ratio, first, rest = averages([left, left], [WIDTH // 2, WIDTH // 2], 4)
     assert ratio > 1.5
     assert (first, rest) == (2 * SIZE // 8 - 4, 2 * SIZE - 2 * SIZE // 8)
+    # averages ±2, each of two samples ±1 about it: 16/2 over 4/2
+    assert averages([np.array([3.0, 1.0, -1.0, -3.0])], [2], 0) == (4.0, 2, 2)
 
 
 def test_the_chance_of_a_line_of_a_short_residual_is_that_of_fisher():
