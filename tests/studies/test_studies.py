@@ -23,7 +23,7 @@ from dampbalance.studies.parameters import in_si
 from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.statistics import Sizes
 from dampbalance.studies.study_file import Listed, Range, Sampled, case_values, spread_values
-from paper_case import PAPER, features_at
+from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, features_at, orbits_at
 from studies.documents import document
 
 FIRST = "reversal__individual__least_squares"
@@ -231,3 +231,62 @@ def test_sizes_are_counted_as_if_all_were_there():
         true = np.quantile(known, share, method="inverted_cdf")
         assert sizes.quantile(share) == pytest.approx(true, rel=6e-4)  # half a bin
     assert math.isnan(Sizes(0.01).quantile(0.5))
+
+
+# --- a rigid contact: the limit X_s → −X of every approach, whose costs follow in closed form -----
+
+
+@pytest.fixture(scope="module")
+def table(computed):
+    """The table of cases, by drive frequency in Hz."""
+    return computed("rigid")[1].set_index("frequency_hz")
+
+
+def exact_rows(hertz):
+    """a, b of the levels, from the orbits one by one."""
+    orbits = orbits_at(hertz, LEVELS)
+    return tuple(np.array([getattr(orbit, q) for orbit in orbits]) for q in ("a", "b"))
+
+
+def test_a_rigid_contact_takes_the_whole_travel():
+    features = features_at(levels=LEVELS)
+    rigid = features.rigid()
+    # the spring swings from −Z_m to Z_m at either end of the stroke
+    np.testing.assert_allclose(rigid.a - features.a, 4.0 * PAPER.Z_m, rtol=1e-9)
+    # below the slip limit the true a is 0, and yet the rigid model takes a = 4X as for any other response
+    stuck = features_at(levels=(1e-5,))
+    assert stuck.a.tolist() == [0.0]
+    assert stuck.rigid().a == pytest.approx(4.0 * stuck.X)
+
+
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
+@pytest.mark.parametrize("pair", [(1, 2), (2, 5)])
+def test_two_levels_in_closed_form(table, hertz, pair):
+    (a_1, a_2), (b_1, b_2) = (of[[pair[0] - 1, pair[1] - 1]] for of in exact_rows(hertz))
+    delta = a_1 * b_2 - a_2 * b_1
+    primed = delta + 4.0 * PAPER.Z_m * (b_2 - b_1)
+    c_shift = 4.0 * PAPER.Z_m * PAPER.F_k * (a_2 - a_1) / primed
+    expected = {"F_k": delta / primed - 1.0, "c": c_shift / PAPER.c}
+    assert expected["F_k"] < 0.0 < expected["c"]
+    for symbol, error in expected.items():
+        found = table[f"{symbol}_relative_error__direct__rigid__pair_{pair[0]}_{pair[1]}"][hertz]
+        # rounding, 1e-15 of the rows, grows by the condition of the pair, some 1e3
+        assert found == pytest.approx(error, abs=1e-10)
+
+
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
+def test_least_squares_in_closed_form(table, hertz):
+    """W = A′p − 4Z_m F_k with A′ of the rigid model: p′ = p − 4Z_m F_k (A′ᵀA′)⁻¹A′ᵀ1."""
+    a, b = exact_rows(hertz)
+    # columns of one size: the solution by normal equations then keeps nine digits
+    rows = np.column_stack([(a + 4.0 * PAPER.Z_m) / a[0], b / b[0]])
+    shift = np.linalg.solve(rows.T @ rows, rows.T @ np.full(5, -4.0 * PAPER.Z_m * PAPER.F_k))
+    shift /= np.array([a[0] * PAPER.F_k, b[0] * PAPER.c])
+    for symbol, expected in zip(("F_k", "c"), shift, strict=True):
+        found = table[f"{symbol}_relative_error__direct__rigid__least_squares"][hertz]
+        assert found == pytest.approx(expected, abs=1e-9)
+        # with a rigid contact t_s, V_s and X_s see the same onset
+        of_onset = f"{symbol}_relative_error__{{}}__{{}}reversal__individual__least_squares".format
+        X_s, t_s, V_s = (table[of_onset(name, "rigid__")][hertz] for name in ("X_s", "t_s", "V_s"))
+        assert (t_s, V_s) == pytest.approx((X_s, X_s), rel=1e-9)
+        assert abs(table[of_onset("X_s", "")][hertz] - X_s) > 1e-6
