@@ -62,14 +62,6 @@ def test_a_fall_of_some_percent_is_a_decay_and_a_settling_or_a_beat_is_none(seed
             bursts_of(noisy(t, size * wave, seed))
 
 
-@pytest.mark.parametrize("samples", [7.3, 19.3])
-def test_a_long_decay_of_few_samples_a_cycle_is_one_burst(samples):
-    t = np.arange(0.0, 2000.0, 1.0 / samples)
-    signal = noisy(t, decay(t, 1.0, 3e-4, 1e-5), 4)
-    (burst,) = bursts_of(signal)
-    assert damping_of(signal, [burst])
-
-
 @pytest.mark.parametrize("lag", [0.75, 0.8])
 def test_a_second_blow_soon_after_the_first_begins_a_decay(lag):
     """The first decay is there from the first sample on, and the swing is nowhere much smaller before the second."""

@@ -94,16 +94,12 @@ def test_what_is_added_is_that_of_the_exact_motion(quantity, hertz, rate, start)
 
 
 def test_high_harmonics_are_those_of_the_orbit_and_near_them_of_other_motions():
-    n = np.array([401, 503, 955, 1601])
-    for Y, law, close in (
-        (LEVELS[0], {}, 1e-9),
-        (LEVELS[-1], {}, 1e-9),
-        (0.012, {"c_2": 5.0}, 1e-3),
-    ):
-        response = steady_response(OSC, BaseMotion(Y, 8.0 * math.pi), law)
-        known = n[: 2 if law else 4]
-        expected = response.harmonics(300 if law else 900)[known // 2]
-        assert response.high_harmonics(known) == pytest.approx(expected, rel=close)
+    n = np.array([401, 503])
+    for law, close in (({}, 1e-9), ({"c_2": 5.0}, 1e-3)):
+        response = steady_response(OSC, BaseMotion(LEVELS[-1], 8.0 * math.pi), law)
+        assert response.high_harmonics(n) == pytest.approx(
+            response.harmonics(300)[n // 2], rel=close
+        )
 
 
 def behind_a_filter(orbit, t: np.ndarray, rate: float) -> np.ndarray:

@@ -38,14 +38,6 @@ def test_half_the_range_and_the_middle_of_the_turning_points(even):
     assert abs(np.exp(1j * at[0]) - middle) < 1e-4
 
 
-def test_each_mean_has_its_own():
-    parts = np.outer([1.0, 2.0, 1.5], ODD), np.array([[0.1j], [0.2j], [-0.1]])
-    at, X = turning_points(series(*parts), rests=True)
-    for i in range(3):
-        (one,), (X_one,) = turning_points(series(parts[0][i], parts[1][i]), rests=True)
-        assert (at[i], X[i]) == pytest.approx((one, X_one), abs=1e-9)
-
-
 def resting(part: float, count: int = 31) -> np.ndarray:
     """Harmonics of a motion between −1 and 1 that rests for a part of the cycle at each end, from its samples."""
     theta = (np.arange(1 << 14) + 0.5) / (1 << 14)
