@@ -257,6 +257,8 @@ def test_one_slider_is_as_stiff_as_takes_the_same_energy(computed):
     expected = r.mean() ** 2 / np.mean(r**2) - 1.0
     assert table[f"K_z_relative_error__{FIT}"][1] == pytest.approx(expected, abs=0.07)
     assert abs(table[f"F_k_relative_error__{FIT}"][1]) < 0.01
+    panels = [axes.get_ylabel() for axes in study_figure(study, path).axes]
+    assert len(panels) == 3  # of F_k, c and K_z
     rows = summary.summary_of(path, study)
     assert rows.groupby("quantity")["approach"].apply(set)["K_z"] == {"fit"}
 

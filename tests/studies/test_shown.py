@@ -15,6 +15,7 @@ from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.wording import number_text, percent, signed_percent
 from dampbalance.solver import least_squares
 from dampbalance.studies import reading_study
+from dampbalance.studies.parameters import PARAMETERS
 from dampbalance.studies.shown import maps
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import study_figure
@@ -51,7 +52,9 @@ def test_a_study_without_a_figure_gets_one_by_its_axes(make, document, figure):
 
 def test_a_map_of_single_cases_shows_their_errors_with_zero_in_the_middle(computed):
     study, table, path = computed({"axes": [STIFF, LONG]})
-    panel = next(a for a in study_figure(study, path).axes if a.get_title() == "$X_s$")
+    figure = study_figure(study, path)
+    assert PARAMETERS["omega_over_omega_n"].label in {text.get_text() for text in figure.texts}
+    panel = next(a for a in figure.axes if a.get_title() == "$X_s$")
     mesh = panel.collections[0]
     errors = 100.0 * table["F_k_relative_error__X_s__reversal__individual__least_squares"]
     assert np.array_equal(mesh.get_array(), errors.to_numpy().reshape(21, 31))

@@ -14,6 +14,7 @@ from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
 from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit, stack
 from dampbalance.project.documents import ConfigurationError
+from dampbalance.project.wording import percent
 from dampbalance.replication.clean import of_record
 from dampbalance.replication.fixed_step import simulate
 from dampbalance.replication.read_out import ReadOut
@@ -214,6 +215,8 @@ def test_the_summary_counts_what_is_there(computed):
     assert line["identified"] == error.notna().sum() < 40
     assert line["max_error_percent"] == pytest.approx(100.0 * error.max(), rel=1e-15)
     assert line["within_1_percent_share"] == (error <= 0.01).sum() / 40
+    page = summary.summary_markdown(made, table, "", "")
+    assert f"| {percent(error.max())} | {percent((error <= 0.01).sum() / 40)} |" in page
 
 
 def test_sizes_are_counted_as_if_all_were_there():
