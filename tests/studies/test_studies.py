@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 import math
-import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-import yaml
 
 from dampbalance import BaseMotion, Oscillator, __version__, steady_orbit
-from dampbalance.balance import APPROACHES, takes_phase
-from dampbalance.estimates import estimate_table
+from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit, stack
-from dampbalance.figures.series import is_logarithmic
 from dampbalance.project.documents import ConfigurationError
 from dampbalance.project.wording import percent
 from dampbalance.replication.clean import of_record
 from dampbalance.replication.fixed_step import simulate
 from dampbalance.replication.read_out import ReadOut
-from dampbalance.solver import least_squares, pair
-from dampbalance.studies import case_files, cases, evaluate, reading_study
-from dampbalance.studies.parameters import MECHANICAL, PARAMETERS, STUDY_SCHEMA, in_si
-from dampbalance.studies.shown import paragraph, summary
+from dampbalance.solver import least_squares, pair, solve
+from dampbalance.studies import case_files, cases, evaluate
+from dampbalance.studies.parameters import in_si
+from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.statistics import Sizes
 from dampbalance.studies.study_file import Listed, Range, Sampled, case_values, spread_values
-from folders import ROOT
-from paper_case import PAPER, features_at
+from paper_case import FREQUENCIES_HZ, LEVELS, PAPER, features_at, orbits_at
 from studies.documents import document
 
-SCHEMA = yaml.safe_load(STUDY_SCHEMA.read_text(encoding="utf-8"))
-SHIPPED = sorted((ROOT / "config/studies").glob("*.yaml"))
 FIRST = "reversal__individual__least_squares"
 
 # The estimates come from the same rows by the same solver, but sin and cos of longer arrays may round otherwise: a
@@ -45,63 +39,35 @@ SOBOL = document("sobol")
 # --- the numbers -----------------------------------------------------------------------------------
 
 
-def one_by_one(row, levels, phase):
-    """The table of estimates of one case, from its orbits one at a time."""
-    osc = Oscillator(*row[["m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N"]])
-    motions = [BaseMotion(Y=level * row["Y_m"], omega=row["omega_rad_per_s"]) for level in levels]
-    features = stack([of_orbit(steady_orbit(osc, motion)) for motion in motions])
-    return estimate_table(features.with_phase(phase), osc.k, [(0, 2)]), features
-
-
 def test_a_chunk_is_its_cases_one_at_a_time(computed):
     (made, table, _), compared = computed("sobol"), 0
     for _, row in table.iterrows():
-        for phase in ("reversal", "zero_crossing", "fundamental"):
-            expected, features = one_by_one(row, made.levels, phase)
-            words = row["regime"].split(", ")
-            assert len(words) in (1, 3)
-            stuck = [regime.startswith("no slip") for regime in features.regime]
-            assert [word == "no_slip" for word in words * (3 // len(words))] == stuck
-            for line in expected.to_dict("records"):
-                kind = {"least_squares": "least_squares", "pair": "pair_1_3"}.get(line["kind"])
-                if kind is None:
-                    continue
-                parts = [line["approach"], phase, line["phase"], kind]
-                label = "__".join([parts[0], kind] if not takes_phase(line["approach"]) else parts)
-                for symbol, column in (("F_k", "F_k_N"), ("c", "c_N_s_per_m")):
-                    found, true = row[f"{column}__{label}"], row[column]
-                    within = {"rel": SOLVER, "abs": SOLVER * true, "nan_ok": True}
-                    assert found == pytest.approx(line[column], **within)
-                    error = row[f"{symbol}_relative_error__{label}"]
-                    assert error == pytest.approx(found / true - 1.0, abs=1e-15, nan_ok=True)
-                    compared += math.isfinite(found)
+        osc = Oscillator(*row[["m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N"]])
+        motions = [BaseMotion(Y * row["Y_m"], row["omega_rad_per_s"]) for Y in made.levels]
+        features = stack([of_orbit(steady_orbit(osc, motion)) for motion in motions])
+        words = row["regime"].split(", ")
+        stuck = [regime.startswith("no slip") for regime in features.regime]
+        assert [word == "no_slip" for word in words * (3 // len(words))] == stuck
+        for fit in made.fits:
+            seen = features.with_phase(fit.phase) if fit.phase else features
+            seen = seen.with_common("phi", "t_s") if fit.sharing == "common" else seen
+            rows = APPROACHES[fit.approach](seen, osc.k)
+            expected = solve(rows if fit.levels is None else rows[[0, 2]]).values
+            for symbol, column in (("F_k", "F_k_N"), ("c", "c_N_s_per_m")):
+                found, true = row[f"{column}__{fit.label}"], row[column]
+                within = {"rel": SOLVER, "abs": SOLVER * true, "nan_ok": True}
+                assert found == pytest.approx(float(expected[symbol]), **within)
+                error = row[f"{symbol}_relative_error__{fit.label}"]
+                assert error == pytest.approx(found / true - 1.0, abs=1e-15, nan_ok=True)
+                compared += math.isfinite(found)
     assert compared > 2000
     assert len(set(table["regime"])) > 2  # levels that slip, and levels that do not
 
 
-def test_no_number_is_missing_without_a_regime_that_says_why(computed):
-    made, table, _ = computed("sobol")
-    missing = table[f"F_k_N__X_s__{FIRST}"].isna()
-    words = table["regime"].map(lambda words: (words.split(", ") * 3)[: len(made.levels)])
-    slipping = words.map(lambda w: w.count("one_slip") + w.count("several_slips"))
-    assert missing.any()
-    assert (missing == (slipping < 2)).all()
-
-
-@pytest.mark.parametrize("levels", [1, 2, 50])  # 50, the most: as digits, its patterns overflow
-def test_the_regimes_of_all_levels_are_named_in_their_order(levels):
-    words = np.random.default_rng(levels).choice([*cases.REGIME_NAMES], (levels, 400))
-    words[1:, :50] = words[0, :50]  # alike at all levels
-    words[:-1, 50:100] = words[:-1, :1]  # alike but for the last
-    named = [[cases.REGIME_NAMES[word] for word in case] for case in words.T]
-    expected = [names[0] if len({*names}) == 1 else ", ".join(names) for names in named]
-    assert evaluate._regime_names(words.astype(object)).tolist() == expected
-
-
-@pytest.mark.parametrize("bounds", [(0, 7), (7, 40), (13, 14)])
-def test_a_case_does_not_depend_on_its_chunk_or_the_threads(make, bounds):
-    whole = evaluate.evaluate(make(SOBOL), 0, 40, threads=2)
-    part = evaluate.evaluate(make(SOBOL), *bounds, threads=1)
+@pytest.mark.parametrize("bounds", [(0, 7), (7, 40)])
+def test_a_case_does_not_depend_on_its_chunk_or_the_threads(computed, bounds):
+    made, whole, _ = computed("sobol")
+    part = evaluate.evaluate(made, *bounds, threads=1)
     expected = whole.iloc[slice(*bounds)].reset_index(drop=True)
     pd.testing.assert_frame_equal(part, expected, check_exact=True)
 
@@ -115,29 +81,26 @@ def test_read_out_rules_are_applied_case_by_case(computed):
     features = features_at(levels=(0.004, 0.008, 0.012))
     for case, (X, X_s) in enumerate([(5, 6), (6, 5)]):
         rules = ReadOut(X_decimals=X, X_s_decimals=X_s, **given)
-        read = {"individual": rules.apply(features), "common": rules.common(features)}
-        for sharing, seen in read.items():
-            expected = least_squares(APPROACHES["t_s"](seen, PAPER.k))
+        for sharing, rule in (("individual", rules.apply), ("common", rules.common)):
+            expected = least_squares(APPROACHES["t_s"](rule(features), PAPER.k))
             label = f"t_s__reversal__{sharing}__least_squares"
             assert table[f"F_k_N__{label}"][case] == pytest.approx(expected["F_k"], rel=SOLVER)
 
 
 def test_a_fixed_step_route_reads_its_records_as_one_would(computed):
-    schemes = {
-        "axes": [{"scheme": {"values": ["backward-euler", "rk4"]}}],
-        "levels_m": [0.006, 0.012],
-    }
+    axes, levels = [{"scheme": {"values": ["backward-euler", "rk4"]}}], [0.006, 0.012]
     route = {"kind": "fixed_step", "steps_per_cycle": 8000, "cycles": 5}
     columns = ["errors", "estimates", "parameters"]
-    made, table, _ = computed(schemes | {"route": route, "columns": columns})
-    omega, parts = float(table["omega_rad_per_s"][0]), []
+    given = {"axes": axes, "levels_m": levels, "route": route, "columns": columns}
+    _, table, _ = computed(given)
+    omega = float(table["omega_rad_per_s"][0])
     h = 2.0 * math.pi / omega / 8000
-    for Y in made.levels:
-        record = simulate(PAPER, BaseMotion(Y, omega), step=h, cycles=5, keep_cycles=3)
-        parts.append(of_record(record, omega, PAPER.k))
-    expected = pair(APPROACHES["direct"](stack(parts), PAPER.k), 0, 1)
-    found = table["c_N_s_per_m__direct__least_squares"][0]
-    assert found == pytest.approx(expected["c"], rel=SOLVER)
+    records = [
+        simulate(PAPER, BaseMotion(Y, omega), step=h, cycles=5, keep_cycles=3) for Y in levels
+    ]
+    seen = stack([of_record(record, omega, PAPER.k) for record in records])
+    expected = pair(APPROACHES["direct"](seen, PAPER.k), 0, 1)["c"]
+    assert table["c_N_s_per_m__direct__least_squares"][0] == pytest.approx(expected, rel=SOLVER)
     # Backward Euler damps, c + m ω² h; Runge–Kutta 4 does not.
     bias = PAPER.m * omega**2 * h
     errors = table["c_relative_error__direct__least_squares"] * PAPER.c
@@ -146,12 +109,12 @@ def test_a_fixed_step_route_reads_its_records_as_one_would(computed):
 
 
 def test_a_step_too_coarse_is_a_regime_not_an_error(computed):
-    steps = {"axes": [{"step_s": {"values": [2.0e-5, 2.0e-3, 1.0]}}], "levels_m": [0.004, 0.012]}
+    axes = [{"step_s": {"values": [2.0e-5, 2.0e-3, 1.0]}}]
     route = {"kind": "fixed_step", "scheme": "rk4", "cycles": 4}
-    _, table, _ = computed(steps | {"route": route})
+    _, table, _ = computed({"axes": axes, "levels_m": [0.004, 0.012], "route": route})
     assert table["regime"].tolist() == ["one_slip", "step_too_coarse", "step_too_coarse"]
-    errors = table[f"F_k_relative_error__X_s__{FIRST}"]
-    assert errors.isna().tolist() == [False, True, True]
+    missing = table[f"F_k_relative_error__X_s__{FIRST}"].isna()
+    assert missing.tolist() == [False, True, True]
 
 
 def test_a_sampled_route_tends_to_the_exact_one(computed):
@@ -170,24 +133,22 @@ def test_a_sampled_route_tends_to_the_exact_one(computed):
 
 def test_blocks_are_multiplied_and_the_last_runs_fastest():
     blocks = [Listed({"zeta": [0.1, 0.2]}), Listed({"m_kg": [1, 2, 3], "k_N_per_m": [4, 5, 6]})]
-    values = case_values(blocks, 1, 5)
-    assert values["zeta"].tolist() == [0.1, 0.1, 0.2, 0.2]
-    assert values["m_kg"].tolist() == [2, 3, 1, 2]
-    assert values["k_N_per_m"].tolist() == [5, 6, 4, 5]
+    values = {name: of.tolist() for name, of in case_values(blocks, 1, 5).items()}
+    expected = {"zeta": [0.1, 0.1, 0.2, 0.2], "m_kg": [2, 3, 1, 2], "k_N_per_m": [5, 6, 4, 5]}
+    assert values == expected
 
 
 @pytest.mark.parametrize("method", ["sobol", "random"])
 def test_any_stretch_of_a_sample_is_part_of_the_whole(method):
     box = {"zeta": Range(0.01, 1.0, "log"), "Y_m": Range(1, 2, "linear")}
-    sample = Sampled(box, method, 100, 7)
-    whole = case_values([sample], 0, 100)
-    for start, stop in ((0, 33), (33, 100), (50, 51)):
-        part = case_values([sample], start, stop)
+    whole = case_values([Sampled(box, method, 100, 7)], 0, 100)
+    for start, stop in ((0, 33), (33, 100)):
+        part = case_values([Sampled(box, method, 100, 7)], start, stop)
         assert all(np.array_equal(part[name], whole[name][start:stop]) for name in whole)
-    assert 0.01 <= whole["zeta"].min() < whole["zeta"].max() <= 1.0
-    # spread evenly in the logarithm: the mean of 100 points is within 3 standard errors, 3·0.289/10
-    share = np.log(whole["zeta"] / 0.01) / math.log(100.0)
-    assert abs(share.mean() - 0.5) < 0.09
+    # spread evenly, that is in the logarithm: the mean of 100 points is within 3 standard errors, 3·0.289/10
+    for share in (np.log(whole["zeta"] / 0.01) / math.log(100.0), whole["Y_m"] - 1.0):
+        assert 0.0 <= share.min() < 0.1 < 0.9 < share.max() <= 1.0
+        assert abs(share.mean() - 0.5) < 0.09
     other = case_values([Sampled(box, method, 100, 8)], 0, 100)
     assert not np.array_equal(other["zeta"], whole["zeta"])
 
@@ -196,99 +157,52 @@ def test_ranges_hold_both_ends():
     decades = {"from": 1.0, "to": 100.0, "count": 3, "spacing": "log"}
     assert spread_values({"from": 1.0, "to": 3.0, "count": 3}) == [1.0, 2.0, 3.0]
     assert spread_values(decades) == pytest.approx([1.0, 10.0, 100.0], rel=1e-15)
-    assert is_logarithmic(spread_values(decades | {"count": 30}))
-    assert not is_logarithmic(spread_values(decades | {"count": 30, "spacing": "linear"}))
 
 
 def test_dimensionless_groups_are_what_they_say():
     given = {"m_kg": 2.0, "k_N_per_m": 50.0, "Y_m": 0.1, "zeta": 0.3, "K_z_over_k": 4.0}
     given |= {"F_k_over_kY": 0.2, "omega_over_omega_n": 3.0}
     si = in_si({name: np.array([value]) for name, value in given.items()})
-    osc = Oscillator(*(float(si[name][0]) for name in ("m", "c", "k", "K_z", "F_k")))
-    assert osc.zeta == pytest.approx(0.3, rel=1e-15)
-    assert osc.K_z == 200.0
-    assert pytest.approx(1.0, rel=1e-15) == osc.F_k
-    assert si["omega"][0] == pytest.approx(15.0, rel=1e-15)
+    expected = {"c": 2.0 * 0.3 * 10.0, "K_z": 200.0, "F_k": 1.0, "omega": 15.0}
+    for name, value in expected.items():
+        assert si[name][0] == pytest.approx(value, rel=1e-15)
 
 
-# --- settings --------------------------------------------------------------------------------------
+# --- settings, sizes and files ---------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
-def test_shipped_studies_are_in_order(path):
-    made = reading_study.read_study(path)
-    assert made.figure
-    assert paragraph.template_of(made)
-    text = made.text.read_text(encoding="utf-8")
-    assert set(made.fixed) | set(made.axis_names) >= {"m_kg", "k_N_per_m"}
-    # no number that comes from the results is written into the text
-    settings_named = (
-        r"(within|less than) [15] %|(the|than) 70 %|\b5 % of|[0-9.]+ % of noise|the 95 % intervals|with (0\.1|5) %"
-        "|(that|the) 95 % of them|95 % (of the direct integrations|intervals|bounds)"
-    )
-    text = " ".join(re.sub(r"{%.*?%}|{{.*?}}|{#.*?#}", "", text, flags=re.DOTALL).split())
-    assert "%" not in re.sub(settings_named, "", text)
-
-
-def test_the_schema_knows_every_parameter_where_it_belongs():
-    properties = SCHEMA["properties"]
-    block = properties["axes"]["items"]["properties"]
-    assert set(block) == {"sample", *PARAMETERS}
-    assert set(properties["base"]["properties"]) == set(MECHANICAL)
-    assert set(block["sample"]["properties"]["over"]["properties"]) == set(MECHANICAL)
-    rules = {name for name, p in PARAMETERS.items() if p.kind == "read_out"}
-    assert set(properties["read_out"]["properties"]) == rules
-    of_line = properties["figure"]["properties"]["lines"]["additionalProperties"]["properties"]
-    ways = properties["estimation"]["properties"]["approaches"]["items"], of_line["approach"]
-    assert all(way["registered"] == "approach" for way in ways)  # whichever are registered
-
-
-# --- size ------------------------------------------------------------------------------------------
-
-
-def drawn(**sample):
-    """The study of the sample with another one."""
+def test_the_stated_size_is_an_upper_bound_and_not_far_off(computed, tmp_path):
     changed = document("sobol")
-    changed["axes"][0]["sample"] |= sample
-    return changed
-
-
-def test_the_stated_size_is_an_upper_bound_and_not_far_off(computed):
-    made, _, path = computed(drawn(count=3000))
+    changed["axes"][0]["sample"]["count"] = 3000
+    made, _, path = computed(changed)
     size = cases.size_of(made)
     assert str(size).startswith("3,000 cases × 3 levels = 9,000 responses, 1 chunk, up to ")
     assert 0.6 * size.table_bytes < path.stat().st_size < size.table_bytes
-
-
-def test_a_study_too_large_is_refused_with_cases_and_bytes(make, tmp_path):
-    with pytest.raises(ConfigurationError, match="4,294,967,296 points at most"):
-        make(drawn(count=2**32 + 1))
-    changed = drawn(count=10**14, method="random")
-    made = make(changed | {"chunk_cases": 10**11})
-    with pytest.raises(ConfigurationError, match=r"100,000,000,000,000 cases would take .* PB"):
-        cases.check_size(made, cases.size_of(made), tmp_path / "not/there", "test.yaml")
-    made = make(changed | {"chunk_cases": 1000})
-    with pytest.raises(ConfigurationError, match="take chunks of at least 5,000,000,000 cases"):
-        cases.check_size(made, cases.size_of(made), tmp_path, "test.yaml")
-
-
-# --- files -----------------------------------------------------------------------------------------
+    for few, refusal in (
+        (10**11, "cases would take .* PB"),
+        (1000, "at least 5,000,000,000 cases"),
+    ):
+        study = replace(made, chunk_cases=few)
+        large = size._replace(cases=10**14, table_bytes=10**16, chunks=10**14 // few)
+        with pytest.raises(ConfigurationError, match=refusal):
+            cases.check_size(study, large, tmp_path / "no", "test.yaml")
 
 
 def test_chunks_cover_every_case_once_and_join_to_the_same_table(make, computed, tmp_path):
-    made, chunks = make(SOBOL | {"chunk_cases": 15}), []
+    made, chunks, file = make(SOBOL | {"chunk_cases": 15}), [], tmp_path / "cases.parquet"
     for i in range(cases.size_of(made).chunks):
         chunks.append(tmp_path / f"{i}.parquet")
         frame = evaluate.evaluate(made, *cases.chunk_bounds(made, i))
         case_files.write_parts(chunks[-1], [frame], made, __version__)
-    case_files.join_chunks(tmp_path / "cases.parquet", chunks, made)
-    joined, whole = pd.read_parquet(tmp_path / "cases.parquet"), computed("sobol")[1]
+    case_files.join_chunks(file, chunks, made)
+    joined, whole = pd.read_parquet(file), computed("sobol")[1]
     joined["regime"] = joined["regime"].astype(whole["regime"].dtype)
     pd.testing.assert_frame_equal(joined, whole, check_exact=True)
-    schema = pq.read_schema(tmp_path / "cases.parquet")
-    assert schema.field("K_z_N_per_m").metadata[b"unit"] == b"N/m"
-    assert schema.metadata[b"study"] == b"test"
-    assert pq.ParquetFile(tmp_path / "cases.parquet").num_row_groups == 3
+    assert pq.read_schema(file).field("K_z_N_per_m").metadata[b"unit"] == b"N/m"
+    assert pq.ParquetFile(file).num_row_groups == 3
+
+
+# --- what is shown ---------------------------------------------------------------------------------
 
 
 def test_the_summary_counts_what_is_there(computed):
@@ -301,6 +215,8 @@ def test_the_summary_counts_what_is_there(computed):
     assert line["identified"] == error.notna().sum() < 40
     assert line["max_error_percent"] == pytest.approx(100.0 * error.max(), rel=1e-15)
     assert line["within_1_percent_share"] == (error <= 0.01).sum() / 40
+    page = summary.summary_markdown(made, table, "", "")
+    assert f"| {percent(error.max())} | {percent((error <= 0.01).sum() / 40)} |" in page
 
 
 def test_sizes_are_counted_as_if_all_were_there():
@@ -320,14 +236,60 @@ def test_sizes_are_counted_as_if_all_were_there():
     assert math.isnan(Sizes(0.01).quantile(0.5))
 
 
-def test_numbers_are_taken_from_the_cases_they_name(computed, says):
-    template = """{% set F = errors("F_k", "X_s") %}{{ F.largest | percent }}; {{ F.at(zeta=0.3).signed | signed }};
-        {{ F.between(zeta=[0.0, 0.45]).within(0.002) | percent }}; {{ cases }}"""
-    made, frame, path = computed({"axes": [{"zeta": {"from": 0.1, "to": 0.9, "count": 9}}]})
-    error = frame[f"F_k_relative_error__X_s__{FIRST}"]
-    worst, one, part, all_cases = says(made, path, template).split("; ")
-    assert worst == percent(error.abs().max())
-    assert one.lstrip("+−") == percent(abs(error[2]))
-    assert one.startswith("+" if error[2] > 0.0 else "−")
-    assert part == percent((error[:4].abs() <= 0.002).mean())
-    assert all_cases == "9"
+# --- a rigid contact: the limit X_s → −X of every approach, whose costs follow in closed form -----
+
+
+@pytest.fixture(scope="module")
+def table(computed):
+    """The table of cases, by drive frequency in Hz."""
+    return computed("rigid")[1].set_index("frequency_hz")
+
+
+def exact_rows(hertz):
+    """a, b of the levels, from the orbits one by one."""
+    orbits = orbits_at(hertz, LEVELS)
+    return tuple(np.array([getattr(orbit, q) for orbit in orbits]) for q in ("a", "b"))
+
+
+def test_a_rigid_contact_takes_the_whole_travel():
+    features = features_at(levels=LEVELS)
+    rigid = features.rigid()
+    # the spring swings from −Z_m to Z_m at either end of the stroke
+    np.testing.assert_allclose(rigid.a - features.a, 4.0 * PAPER.Z_m, rtol=1e-9)
+    # below the slip limit the true a is 0, and yet the rigid model takes a = 4X as for any other response
+    stuck = features_at(levels=(1e-5,))
+    assert stuck.a.tolist() == [0.0]
+    assert stuck.rigid().a == pytest.approx(4.0 * stuck.X)
+
+
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
+@pytest.mark.parametrize("pair", [(1, 2), (2, 5)])
+def test_two_levels_in_closed_form(table, hertz, pair):
+    (a_1, a_2), (b_1, b_2) = (of[[pair[0] - 1, pair[1] - 1]] for of in exact_rows(hertz))
+    delta = a_1 * b_2 - a_2 * b_1
+    primed = delta + 4.0 * PAPER.Z_m * (b_2 - b_1)
+    c_shift = 4.0 * PAPER.Z_m * PAPER.F_k * (a_2 - a_1) / primed
+    expected = {"F_k": delta / primed - 1.0, "c": c_shift / PAPER.c}
+    assert expected["F_k"] < 0.0 < expected["c"]
+    for symbol, error in expected.items():
+        found = table[f"{symbol}_relative_error__direct__rigid__pair_{pair[0]}_{pair[1]}"][hertz]
+        # rounding, 1e-15 of the rows, grows by the condition of the pair, some 1e3
+        assert found == pytest.approx(error, abs=1e-10)
+
+
+@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
+def test_least_squares_in_closed_form(table, hertz):
+    """W = A′p − 4Z_m F_k with A′ of the rigid model: p′ = p − 4Z_m F_k (A′ᵀA′)⁻¹A′ᵀ1."""
+    a, b = exact_rows(hertz)
+    # columns of one size: the solution by normal equations then keeps nine digits
+    rows = np.column_stack([(a + 4.0 * PAPER.Z_m) / a[0], b / b[0]])
+    shift = np.linalg.solve(rows.T @ rows, rows.T @ np.full(5, -4.0 * PAPER.Z_m * PAPER.F_k))
+    shift /= np.array([a[0] * PAPER.F_k, b[0] * PAPER.c])
+    for symbol, expected in zip(("F_k", "c"), shift, strict=True):
+        found = table[f"{symbol}_relative_error__direct__rigid__least_squares"][hertz]
+        assert found == pytest.approx(expected, abs=1e-9)
+        # with a rigid contact t_s, V_s and X_s see the same onset
+        of_onset = f"{symbol}_relative_error__{{}}__{{}}reversal__individual__least_squares".format
+        X_s, t_s, V_s = (table[of_onset(name, "rigid__")][hertz] for name in ("X_s", "t_s", "V_s"))
+        assert (t_s, V_s) == pytest.approx((X_s, X_s), rel=1e-9)
+        assert abs(table[of_onset("X_s", "")][hertz] - X_s) > 1e-6

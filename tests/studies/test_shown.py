@@ -1,0 +1,236 @@
+"""What is shown of studies: the errors on maps and curves, and paragraphs whose numbers are about cases that exist."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from dampbalance.balance import APPROACHES
+from dampbalance.figures import looks
+from dampbalance.project.documents import ConfigurationError, read_yaml
+from dampbalance.project.wording import number_text, percent, signed_percent
+from dampbalance.solver import least_squares
+from dampbalance.studies import reading_study
+from dampbalance.studies.parameters import PARAMETERS
+from dampbalance.studies.shown import maps
+from dampbalance.studies.shown.paragraph import paragraph
+from dampbalance.studies.shown.study_figure import study_figure
+from folders import ROOT
+from paper_case import LEVELS, PAPER, features_at
+
+LONG = {"omega_over_omega_n": {"from": 0.5, "to": 3.0, "count": 31}}
+STIFF = {"K_z_over_k": {"from": 5.0, "to": 500.0, "count": 21, "spacing": "log"}}
+FEW = {"zeta": {"values": [0.05, 0.1, 0.5]}}
+SAMPLE = {"method": "sobol", "seed": 1, "over": {"zeta": {"from": 0.01, "to": 1.0}}}
+NOISY = {"route": {"kind": "measured", "sampling_hz": 1000, "noise": 0.01, "seed": 1}}
+RUN = {"run": {"from": 0, "to": 9, "count": 10}}
+CURVES = {"kind": "curves", "x": "omega_over_omega_n"}
+
+
+@pytest.mark.parametrize(
+    ("document", "figure"),
+    [
+        ({"axes": [LONG], "estimation": {"phases": ["reversal", "fundamental"]}}, CURVES | {"panels": "phase"}),
+        ({"axes": [FEW, STIFF, LONG][::2]}, CURVES | {"panels": "zeta"}),
+        ({"axes": [STIFF, LONG]}, {"kind": "map", "x": "omega_over_omega_n", "y": "K_z_over_k"}),
+        ({"axes": [{"sample": SAMPLE | {"count": 64}}]}, {"kind": "curves", "x": "zeta"}),
+        (NOISY | {"axes": [FEW, RUN]}, {"kind": "scatter", "x": "zeta"}),
+        (NOISY | {"axes": [RUN]}, {"kind": "curves", "x": "run"}),
+        # not drawn: too many cases for curves; nothing that varies; as the file wants it
+        ({"axes": [{"sample": SAMPLE | {"count": 10**6}}]}, {}),
+        ({"axes": [{"zeta": {"values": [0.1]}}]}, {}),
+        ({"axes": [LONG], "figure": None}, {}),
+    ],
+)  # fmt: skip
+def test_a_study_without_a_figure_gets_one_by_its_axes(make, document, figure):
+    assert make(document).figure == figure
+
+
+def test_a_map_of_single_cases_shows_their_errors_with_zero_in_the_middle(computed):
+    study, table, path = computed({"axes": [STIFF, LONG]})
+    figure = study_figure(study, path)
+    assert PARAMETERS["omega_over_omega_n"].label in {text.get_text() for text in figure.texts}
+    panel = next(a for a in figure.axes if a.get_title() == "$X_s$")
+    mesh = panel.collections[0]
+    errors = 100.0 * table["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    assert np.array_equal(mesh.get_array(), errors.to_numpy().reshape(21, 31))
+    assert mesh.norm(0.0) == 0.5
+    assert mesh.norm(-3.0) == pytest.approx(1.0 - mesh.norm(3.0), rel=1e-12)
+
+
+def test_a_map_of_many_cases_shows_what_nine_of_ten_do_not_exceed():
+    errors = 10.0 ** np.random.default_rng(5).uniform(-6.0, 1.0, 1000)
+    places = (np.log10(errors) - maps._LOWEST_BIN) * maps._BINS_PER_DECADE
+    counts = np.tile(np.bincount(places.astype(int), minlength=maps._BINS), (3, 1)).astype(float)
+    counts[1] = 0.0  # no case at all
+    counts[2, -1] += 200.0  # not identified, in more than one of ten
+    true = 100.0 * np.quantile(errors, 0.9, method="inverted_cdf")
+    shown = maps._quantiles(counts)
+    # half a bin: 10^(1/48) − 1 = 4.9 %
+    assert shown == pytest.approx([true, np.nan, np.nan], rel=0.05, nan_ok=True)
+
+
+def test_one_curve_stands_for_approaches_that_agree_and_open_marks_for_too_small(make, computed):
+    x = np.linspace(0.5, 3.0, 126)
+    document = {"axes": [{"omega_over_omega_n": {"from": 0.5, "to": 3.0, "count": 126}}]}
+    document |= {"estimation": {"approaches": ["X_s", "t_s", "V_s"]}}
+    # 2 %, 0.009 of a decade, are no difference; V_s agrees up to 2.5
+    factors = {"X_s": 0.01, "t_s": 0.0102, "V_s": np.where(x < 2.5, 0.01, 0.02)}
+    fits = make(document).fits
+    columns = {f"F_k_relative_error__{of.label}": factors[of.approach] * (x - 1.6) for of in fits}
+    study, _, path = computed(document, **columns)
+    axes = study_figure(study, path).axes[0]
+    colour = looks.HARMONIC_LOOK.colour
+    curve, *marks = (line for line in axes.lines if line.get_color() == colour)
+    y = np.asarray(curve.get_ydata(), float)
+    np.testing.assert_allclose(y[x < 2.49], np.abs(x[x < 2.49] - 1.6), atol=1e-9)
+    assert np.isnan(y[x > 2.51]).all()
+    for name in factors:  # from the last place where all agree
+        alone = next(line for line in axes.lines if line.get_color() == looks.LOOKS[name].colour)
+        seen = x[np.isfinite(np.asarray(alone.get_ydata(), float))]
+        assert (seen[0], seen[-1]) == pytest.approx((2.48, 3.0))
+    for line in marks:
+        assert np.all((line.get_xdata() > 1.6) == (line.get_markerfacecolor() == colour))
+
+
+# --- paragraphs -----------------------------------------------------------------------------------
+
+
+def zeta(**more):
+    """A study over the damping ratio, with whatever else its axis holds."""
+    return {"axes": [{"zeta": {"from": 0.1, "to": 0.9, "count": 9, **more}}]}
+
+
+PAIRED = {"axes": [{"zeta": {"values": [0.1, 0.2]}, "K_z_over_k": {"values": [50.0, 90.0]}}]}
+BOX = {"method": "random", "count": 5, "seed": 1, "over": {"zeta": {"from": 0.1, "to": 0.2}}}
+SAMPLED = {"axes": [{"sample": BOX}]}
+SCHEMES = {
+    "axes": [{"scheme": {"values": ["rk4"]}}],
+    "route": {"kind": "fixed_step", "step_s": 1e-4, "cycles": 4},
+}
+F = "errors('F_k', 'X_s')"
+
+
+@pytest.mark.parametrize(
+    ("study", "asked", "words"),
+    [
+        (zeta(), F + ".at(zeta=0.31)", "zeta: 0.31 is not among the 9 values of zeta, whose nearest are 0.3 and 0.4"),
+        (zeta(), F + ".at(zeta='rk4')", "zeta: 'rk4' is not a number"),
+        (zeta(), F + ".between(zeta=[0.5, 0.2])", "are not two bounds of zeta, the lower one first"),
+        (zeta(), F + ".signed", "is the error of one case, and 9 are left"),
+        (PAIRED, F + ".at(zeta=0.1, K_z_over_k=90.0)", "selects no case"),
+        (SAMPLED, F + ".at(zeta=0.1)", "sampled: take the cases between two"),
+        (SAMPLED, F + ".between(zeta=[0.3, 0.4]).largest", "no case is left: a sampled axis"),
+        (SCHEMES, F + ".at(scheme='rk5')", "scheme: 'rk5' is not among its values: rk4"),
+        (zeta(), F + ".__class__", "is unsafe"),
+        (zeta(), "errors('F_k', 'fit')", "selects no fit of this study: see estimation"),
+        (zeta(), "errors('c_3', 'direct')", "c_3 is not identified, or the oscillator has none: see estimation.terms"),
+        (zeta(), "errors('F_k', phases='reversal')", "errors takes approach, contact, fit, phase, sharing, terms"),
+        (zeta(), "errors('F_k').p95", "p95 refers to one fit, but direct__least_squares, X_s"),
+    ],
+)  # fmt: skip
+def test_a_number_that_does_not_exist_is_refused_with_its_line(computed, says, study, asked, words):
+    made, _, path = computed(study)
+    with pytest.raises(ConfigurationError, match=r"test\.md\.j2: line 2: ") as caught:
+        says(made, path, f"A paragraph,\n{{{{ {asked} }}}}")
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_numbers_are_taken_from_the_cases_they_name(computed, says):
+    template = """{% set F = errors("F_k", "X_s") %}{{ F.largest | percent }}; {{ F.at(zeta=0.3).signed | signed }};
+        {{ F.between(zeta=[0.0, 0.45]).within(0.002) | percent }}; {{ F.rms | percent }}; {{ cases }}"""
+    made, frame, path = computed(zeta())
+    error = frame["F_k_relative_error__X_s__reversal__individual__least_squares"]
+    expected = [percent(error.abs().max()), signed_percent(error[2])]
+    expected += [percent((error[:4].abs() <= 0.002).mean()), percent((error**2).mean() ** 0.5), "9"]
+    assert says(made, path, template).split("; ") == expected
+    with pytest.raises(ConfigurationError, match="error: unknown name; a template has errors"):
+        says(made, path, "{{ error }}")
+    assert paragraph(made, path) == ("", {})  # without a template
+
+
+def test_what_cannot_be_identified_is_said(computed, says):
+    names = [name for name in computed(zeta())[1] if name.startswith("F_k_relative_error__direct")]
+    made, _, path = computed(zeta(), **dict.fromkeys(names, np.nan))
+    template = "{{ errors('F_k', 'direct').largest | percent }}"
+    assert says(made, path, template) == "nothing (it cannot be identified there)"
+
+
+def test_an_axis_takes_further_values_in_their_places(make):
+    values = make(zeta(also=[0.31, 0.05, 0.3, 2.0])).blocks[0].axes["zeta"]
+    assert values == sorted(values)
+    assert len(values) == 12  # 0.3 is a value of the range already
+
+
+# --- the shipped texts -----------------------------------------------------------------------------
+
+
+def error_of_F_k(hz, approach="X_s", levels=LEVELS, phase="reversal", rigid=False, **other):
+    """Relative error of F_k by least squares, from single orbits."""
+    osc = replace(PAPER, **other)
+    seen = features_at(hz, levels, osc).with_phase(phase)
+    rows = APPROACHES[approach](seen.rigid() if rigid else seen, osc.k)
+    return float(least_squares(rows)["F_k"]) / osc.F_k - 1.0
+
+
+@pytest.fixture(scope="module")
+def shipped(computed):
+    """The numbers that the template of a study sets as it is shipped, from all of its cases."""
+
+    @functools.cache
+    def numbers(name):
+        file = ROOT / f"config/studies/{name}.yaml"
+        _, _, path = computed(read_yaml(file))
+        return paragraph(reading_study.read_study(file), path)[1]
+
+    return numbers
+
+
+@pytest.mark.parametrize(
+    ("name", "what", "of"),
+    [
+        ("contact_stiffness", "paper", {"hz": 4.92}),
+        ("contact_stiffness", "off_soft", {"hz": 11.1, "K_z": 2.0 * PAPER.k}),
+        ("level", "low", {"hz": 4.92, "levels": (0.004, 0.006)}),
+        # at the paper's frequencies, as `results/paper/tables/approaches.csv` and the page have them
+        ("frequency", "below_fundamental", {"hz": 3.5, "phase": "fundamental"}),
+        ("frequency", "above_individual", {"hz": 11.1}),
+        ("rigid_contact", "soft_omega1", {"hz": 4.92, "approach": "direct", "rigid": True, "K_z": 2.0 * PAPER.k}),
+    ],
+)  # fmt: skip
+def test_numbers_are_at_the_parameters_that_they_name(shipped, name, what, of):
+    assert shipped(name)[what] == signed_percent(error_of_F_k(**of))
+    # by chance in order in one process of 40,000
+    assert list(shipped(name)) == sorted(shipped(name))
+
+
+# Derived by independent code from exact orbits, to half a unit of the digits given: the worst pair of the Fourier
+# balance at 11.1 Hz and 3.5 Hz where the features named are rounded, X, X_s and X_n to 10 µm, φ_1 to three decimals.
+@pytest.mark.parametrize(
+    ("what", "error", "half"),
+    [
+        ("fourier_five", 0.773, 0.0005),  # X, X_s
+        ("fourier_six", -0.0747, 0.00005),  # X, X_s to one more
+        ("fourier_phase", 2.8, 0.05),  # φ_1 as well
+        ("fourier_table_1", 6.5, 0.05),  # X_1, X_3, X_5 as well
+        ("fourier_table_1_below", 3.1, 0.05),
+        ("fourier_one_more", 0.35, 0.005),  # all of them to one more
+    ],
+)
+def test_the_fourier_balance_needs_the_decimals_of_all_that_it_reads(shipped, what, error, half):
+    stated = shipped("read_out")[what].removesuffix(" %").replace("−", "-")
+    assert float(stated) == pytest.approx(error, abs=half * (1.0 + 1e-9))
+
+
+@pytest.mark.parametrize(("number_of", "hz"), [(1, 4.92), (2, 3.5), (3, 11.1)])
+def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped, number_of, hz):
+    def excess(K):
+        return abs(error_of_F_k(hz, "direct", rigid=True, K_z=K * PAPER.k)) - 0.01
+
+    expected = number_text(brentq(excess, 5.0, 200.0, rtol=1e-6), 3)
+    assert shipped("rigid_contact")[f"from_omega{number_of}"] == expected
