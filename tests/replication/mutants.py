@@ -8,7 +8,6 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
-from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.judging import Claim, verdict
 from dampbalance.replication.claims.rules import claims
 from dampbalance.replication.claims.verdicts import VERDICTS, part_of
@@ -35,13 +34,6 @@ class Mutant(NamedTuple):
         return now - was
 
 
-_JUDGED = {
-    "table1": ("table1", "table3", "text"),
-    "table2": ("table2", "text"),
-    "table3": ("table3",),
-}
-"""Part of the paper → the parts with computed numbers whose verdicts follow from what is printed there."""
-
 _FOLLOWS = {
     "refuted": ("table1", "table2", "text"),
     "by_table_2": ("table2",),
@@ -51,17 +43,13 @@ _FOLLOWS = {
 """Cached property of `Sources` → parts of the paper whose printed numbers it depends on."""
 
 
-def judged(sources: Sources, name: str, text: str) -> dict[str, Claim]:
-    """The claims on all computed numbers that another text for one printed number can affect, by id, without causes:
-    no verdict depends on them."""
-    part = part_of(name)
-    changed = reprinted(sources, sources.published.changed({name: text}))
-    kept = {name: getattr(sources, name) for name in _FOLLOWS if part not in _FOLLOWS[name]}
+def printed_as(name: str, text: str) -> Claim:
+    """The claim on a number with another text in print, without causes: no verdict depends on them."""
+    sources, part = sources_of(), part_of(name)
+    changed = reprinted(sources, PRINT.changed({name: text}))
+    kept = {of: getattr(sources, of) for of, parts in _FOLLOWS.items() if part not in parts}
     vars(changed).update(kept, rules_at_work=lambda row: "")
-    parts = _JUDGED.get(part, (part,))
-    rows = changed.published.rows.values()
-    affected = [row for row in rows if row.claim == "computed" and part_of(row.id) in parts]
-    return {claim.row.id: claim for claim in claims(changed, affected)}
+    return claims(changed, [changed.published.rows[name]])[0]
 
 
 @cache
@@ -74,7 +62,7 @@ def of_print(*steps: int) -> Iterator[Mutant]:
     """Every computed number, its last printed digit moved by each of some steps."""
     for before, step in itertools.product(originals(), steps):
         name = before.row.id
-        yield Mutant(before, judged(sources_of(), name, PRINT[name].moved(step))[name], step)
+        yield Mutant(before, printed_as(name, PRINT[name].moved(step)), step)
 
 
 def of_rebuild(*, units: float = 0.0, share: float = 0.0) -> Iterator[Mutant]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pandas as pd
-import pytest
 
 from dampbalance.features import Features
 from dampbalance.project.files import read_csv
@@ -23,26 +22,16 @@ def test_what_is_recorded_is_what_is_simulated():
 
 
 def test_the_records_serve_their_own_case_and_no_other(monkeypatch):
-    asked = []
     for name in ("scheme_table", "trial_table"):
-        monkeypatch.setattr(rivals, name, lambda case, frequency: asked.append(case))
-    for got, recorded in zip(
-        rivals.rivals(PUBLISHED, CASE, "omega1", Features.from_frame(unrounded())),
-        RECORDED,
-        strict=True,
-    ):
-        pd.testing.assert_frame_equal(got, recorded)
-    assert asked == []
-    other = replace(CASE, oscillator=replace(CASE.oscillator, c=90.001))
-    rivals.rivals(PUBLISHED, other, "omega1", Features.from_frame(unrounded(other.oscillator)))
-    rivals.rivals(PUBLISHED, other, "omega1", Features.from_frame(unrounded().head(4)))
-    assert asked == [other] * 4
+        monkeypatch.setattr(rivals, name, lambda *simulated: simulated)
 
+    def served(frame, case=CASE):
+        return rivals.rivals(PUBLISHED, case, "omega1", Features.from_frame(frame))
 
-@pytest.mark.parametrize("column", ["a_m", "W_J"])
-def test_a_digit_that_differs_is_seen(monkeypatch, column):
-    monkeypatch.setattr(rivals, "scheme_table", lambda *_: None)
-    monkeypatch.setattr(rivals, "trial_table", lambda *_: None)
-    changed = unrounded().copy()
-    changed.loc[2, column] *= 1.0 + 1e-8
-    assert rivals.rivals(PUBLISHED, CASE, "omega1", Features.from_frame(changed)) == (None, None)
+    own, other = unrounded(), replace(CASE, oscillator=replace(CASE.oscillator, c=90.001))
+    for table, recorded in zip(served(own), RECORDED, strict=True):
+        pd.testing.assert_frame_equal(table, recorded)
+    one = 1e-8 * (own.index == 2)
+    for frame in (own.head(4), *(own.assign(**{n: own[n] * (1.0 + one)}) for n in ("a_m", "W_J"))):
+        assert served(frame) == ((CASE, "omega1"),) * 2
+    assert served(own, other) == ((other, "omega1"),) * 2
