@@ -7,23 +7,24 @@ at the very end. Scheme, step, cycle and rules of reading were chosen so that th
 from __future__ import annotations
 
 from dataclasses import replace
-from decimal import Decimal
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from dampbalance.balance import direct
+from dampbalance.features import Features
+from dampbalance.project.files import read_csv
 from dampbalance.replication import authors_route as authors
+from dampbalance.replication.claims import rivals
 from dampbalance.replication.clean import of_record
 from dampbalance.replication.read_out import ReadOut
-from dampbalance.solver import pair
-from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at
-from replication.routes import CASE, PRINT, with_digits_of
+from folders import PUBLISHED
+from paper_case import FREQUENCIES_HZ, OMEGA, PAPER
+from replication.by_hand import missed
+from replication.routes import CASE, PRINT, unrounded
 
 STEP = 5.0e-6
 PERIOD = 1.0 / FREQUENCIES_HZ["omega1"] / STEP  # steps
-LABELS = [f"{i + 1}-{j + 1}" for i, j in PAIRS]
-TABLE_3 = CASE.numerics.two_point
 numbers = PRINT.values
 
 
@@ -57,17 +58,10 @@ def test_the_coefficients_are_those_of_the_equation_divided_by_m():
 
 
 def misses(features, **rules):
-    """The cells of Table 3 that features do not give.   rules : of reading, where they are not as configured."""
-    common = ReadOut.from_config(TABLE_3 | rules).common(features)
-    missed = []
-    for name in ("t_s", "X_s", "V_s"):
-        rows = authors.APPROACHES_OF_TABLE_3[name](common, PAPER.k)
-        for (i, j), label in zip(PAIRS, LABELS, strict=True):
-            for symbol in ("F_k", "c"):
-                text = PRINT[f"table3.{name}.{symbol}.{label}"].text
-                if with_digits_of(text, pair(rows, i, j)[symbol]) != Decimal(text):
-                    missed.append(f"{name} {symbol} {label}")
-    return missed
+    """The numbers of Table 3 that features do not give.   rules : of reading, where they are not as configured."""
+    read = ReadOut.from_config(CASE.numerics.two_point | rules).common(features)
+    inputs = {"X": read.X, "V_s": read.V_s, "phi": read.phi[0], "t_s": read.t_s[0]}
+    return missed(way=read.X + read.X_s, **inputs)
 
 
 # ---- Table 2 --------------------------------------------------------------------------------------------------------
@@ -78,18 +72,6 @@ def test_W_of_table_2(sampled):
     # With the unrounded coefficients it is five times as far, at every level the same way.
     unrounded = read(records(c_over_m_decimals=None, k_over_m_decimals=None))
     assert np.all(unrounded.W / numbers("W") - 1.0 < -1.5e-6)
-
-
-def test_b_of_table_2_to_the_last_digit_except_b_1_which_its_own_row_contradicts(sampled):
-    printed = [row.printed for row in PRINT.column("b")]
-    computed = [with_digits_of(text, b) for text, b in zip(printed, sampled.b, strict=True)]
-    assert computed[1:] == [Decimal(text) for text in printed[1:]]
-    assert Decimal(printed[0]) - computed[0] == Decimal("0.00000001")
-    # with the F_k and c of the next rows, the printed a_1 and W_1 need the b_1 that the simulation has
-    for label in LABELS[1:4]:
-        F_k, c = (PRINT[f"table2.{symbol}.{label}"].value for symbol in ("F_k", "c"))
-        b_1 = (numbers("W")[0] - numbers("a")[0] * F_k) / c
-        assert with_digits_of(printed[0], b_1) == computed[0]
 
 
 def off_print_in_samples(features):
@@ -130,49 +112,11 @@ def test_displacements_of_the_8th_period_give_a_as_well():
     assert np.max(np.abs(off)) < 0.034
 
 
-def test_pairs_of_table_2_without_level_1(sampled):
-    rows = direct(sampled, PAPER.k)
-    for line in (1, 2, 3):
-        estimate = pair(rows, *PAIRS[line])
-        F_k, c = (PRINT[f"table2.{symbol}.{LABELS[line]}"].value for symbol in ("F_k", "c"))
-        # c of pair 4-5 is 90.01144, printed 90.0115: W, 6e-8 of itself off print, moves c by up to half a unit.
-        assert estimate["c"] == pytest.approx(c, abs=0.6e-4)
-        # W at level 2 is 3.4e-7 of itself off, which moves F_k of pair 2-3 by four times that: 5e-6.
-        assert estimate["F_k"] == pytest.approx(F_k, abs=5e-6)
-
-
 @pytest.mark.parametrize("scheme", ["rk4", "trapezoidal", "semi-implicit-euler", "explicit-euler"])
 def test_no_other_scheme_gives_table_2(scheme):
     """After 6 cycles, in which a transient decays by e⁻²²."""
     features = read(records(scheme=scheme, cycles=6))
     assert np.min(np.abs(features.W / numbers("W") - 1.0)) > 1e-4
-
-
-# ---- Table 1 --------------------------------------------------------------------------------------------------------
-
-
-def test_exact_t_s_cut_to_tenths_of_a_millisecond_misses_level_4_by_8_microseconds():
-    exact = features_at()
-    missed = ReadOut(t_s_unit=1e-4).apply(exact).t_s - numbers("t_s")
-    assert missed == pytest.approx([0.0, 0.0, 0.0, 1e-4, 0.0], abs=1e-9)
-    assert exact.t_s[3] - 1.8e-3 == pytest.approx(8.1e-6, abs=5e-8)
-
-
-def test_V_s_of_table_1_lies_between_the_corner_and_the_next_sample(
-    simulated, sampled, interpolated
-):
-    V_s = numbers("V_s")
-    corners = zip(simulated, sampled.X_s, strict=True)
-    rates = [record.acceleration[record.x == X_s][0] for record, X_s in corners]
-    later = interpolated.V_s + STEP * np.array(rates)
-    assert np.all(np.round(interpolated.V_s, 5) <= V_s + 1e-12)
-    assert np.all(V_s <= np.round(later, 5) + 1e-12)
-
-
-def test_phase_of_table_1_is_that_of_the_reversal_read_to_an_eighth_of_a_millisecond(interpolated):
-    phi = numbers("phi")
-    assert np.max(np.abs(phi - interpolated.phi_reversal)) < OMEGA * 0.125e-3
-    assert np.min(np.abs(phi - interpolated.phi_zero_crossing)) > OMEGA * 0.6e-3
 
 
 # ---- Table 3 --------------------------------------------------------------------------------------------------------
@@ -188,3 +132,29 @@ def test_table_3_hangs_on_the_numerical_dissipation_and_not_on_the_cycle():
     assert len(misses(read(records(scheme="rk4", cycles=6), "interpolated"))) > 20
     for cycles in (11, 20):
         assert misses(read(records(cycles=cycles), "interpolated")) == []
+
+
+# ---- Recorded rivals: those that the simulations give, which stand for no other case --------------------------------
+
+RECORDED = [read_csv(PUBLISHED / name) for name in rivals.FILES]
+
+
+def test_what_is_recorded_is_what_is_simulated():
+    for recorded, table in zip(RECORDED, (authors.scheme_table, authors.trial_table), strict=True):
+        pd.testing.assert_frame_equal(recorded, table(CASE, "omega1"), rtol=1e-11, atol=0.0)
+
+
+def test_the_records_serve_their_own_case_and_no_other(monkeypatch):
+    for name in ("scheme_table", "trial_table"):
+        monkeypatch.setattr(rivals, name, lambda *simulated: simulated)
+
+    def served(frame, case=CASE):
+        return rivals.rivals(PUBLISHED, case, "omega1", Features.from_frame(frame))
+
+    own, other = unrounded(), replace(CASE, oscillator=replace(CASE.oscillator, c=90.001))
+    for table, recorded in zip(served(own), RECORDED, strict=True):
+        pd.testing.assert_frame_equal(table, recorded)
+    one = 1e-8 * (own.index == 2)
+    for frame in (own.head(4), *(own.assign(**{n: own[n] * (1.0 + one)}) for n in ("a_m", "W_J"))):
+        assert served(frame) == ((CASE, "omega1"),) * 2
+    assert served(own, other) == ((other, "omega1"),) * 2

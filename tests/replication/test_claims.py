@@ -12,34 +12,15 @@ import pytest
 from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import authors_route as authors
+from dampbalance.replication.claims import table
 from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.printed import Printed, read_texts
-from dampbalance.replication.claims.table import (
-    CLAIM_COLUMNS,
-    WORSE,
-    check_claims,
-    claims_markdown,
-    claims_table,
-    read_record,
-    summary,
-)
+from dampbalance.replication.claims.table import check_claims, claims_table
 from dampbalance.replication.claims.verdicts import HOLDING, ROUTE_NAMES, VERDICTS
 from dampbalance.replication.numbers import HARMONIC_APPROACHES, by_key, number
 from folders import PUBLISHED
-from replication.routes import (
-    CASE,
-    PAPER,
-    PRINT,
-    Route,
-    as_published,
-    case_of,
-    exact,
-    judged,
-    nothing,
-    numbers_of,
-    sources_of,
-    unrounded,
-)
+from replication import routes
+from replication.routes import CASE, PAPER, PRINT, as_published, exact, judged, sources_of
 
 LEVELS = range(1, 6)
 PAIRS = ("1-2", "2-3", "3-4", "4-5", "1-5")
@@ -47,7 +28,7 @@ PAIRS = ("1-2", "2-3", "3-4", "4-5", "1-5")
 
 @pytest.fixture(scope="module")
 def recorded():
-    return read_record(PUBLISHED / "verdicts.csv")
+    return table.read_record(PUBLISHED / "verdicts.csv")
 
 
 def cells(*starts, of=LEVELS):
@@ -159,9 +140,9 @@ def test_effective_damping_in_the_explanations_is_that_of_the_estimates():
 
 
 def test_page_and_summary_have_a_line_per_claim_and_count_them(claims, recorded):
-    page = claims_markdown(claims)
+    page = table.claims_markdown(claims)
     assert len(re.findall(r"^\| (?!where)(?:[^|\n]*\|){13}$", page, re.MULTILINE)) == len(claims)
-    text = summary(claims, check_claims(claims, recorded))
+    text = table.summary(claims, check_claims(claims, recorded))
     assert text.startswith("133 verdicts as on record.\n\n")
     total = next(line for line in text.splitlines() if line.startswith("all"))
     verdicts = claims["verdict"][claims["kind"] == "computed"].tolist()
@@ -182,9 +163,9 @@ def test_page_and_summary_have_a_line_per_claim_and_count_them(claims, recorded)
 def test_summary_opens_with_the_worst_in_lines_that_fit_a_screen(recorded):
     changed = judged(oscillator=replace(PAPER, F_k=1.02 * PAPER.F_k))
     offences = check_claims(changed, recorded)
-    opening, _, rest = summary(changed, offences).partition("\n\n")
+    opening, _, rest = table.summary(changed, offences).partition("\n\n")
     sentence, _, _, *rows = opening.splitlines()
-    assert sentence == f"{len(offences)} of {len(changed)} {WORSE}; the results are built."
+    assert sentence == f"{len(offences)} of {len(changed)} {table.WORSE}; the results are built."
     assert max(map(len, opening.splitlines())) <= 120
     off = changed.set_index("id")["off_relative"].replace("", "0").astype(float).abs()
     shown = [off[row.split()[0]] for row in rows]
@@ -277,8 +258,8 @@ def test_the_plus_sign_of_table_3_is_needed(recorded):
     slipped = (frame["approach"] == "V_s") & (frame["phase"] == "common")
     correct = frame[frame["approach"] == authors.CORRECTED]
     estimates = pd.concat([frame[~slipped], correct, correct.assign(approach="V_s")])
-    changed = Route(route.features, route.estimates | {"omega1": estimates})
-    numbers = by_key(numbers_of(exact(), changed, unrounded()))
+    changed = routes.Route(route.features, route.estimates | {"omega1": estimates})
+    numbers = by_key(routes.numbers_of(exact(), changed, routes.unrounded()))
     found = check_claims(claims_table(Sources(PRINT, CASE, numbers)), recorded)
     assert set(found["id"]) == cells("table3.V_s.F_k", "table3.V_s.c", of=PAIRS)
 
@@ -288,8 +269,8 @@ def test_missing_and_new_claims_are_found(claims, recorded):
     found = check_claims(lost, recorded)
     assert found["id"].tolist() == ["table1.X.1"]
     assert "no claim any more" in found["message"].iloc[0]
-    opening = summary(lost, found).partition("\n\n")[0]
-    assert opening.startswith(f"1 of {len(lost)} {WORSE}")
+    opening = table.summary(lost, found).partition("\n\n")[0]
+    assert opening.startswith(f"1 of {len(lost)} {table.WORSE}")
     assert opening.splitlines()[-1].split() == ["table1.X.1", "0.00273", "no", "claim"]
 
     found = check_claims(claims, recorded[recorded["id"] != "text.phi_mean"])
@@ -299,17 +280,17 @@ def test_missing_and_new_claims_are_found(claims, recorded):
 
 def test_a_claim_without_routes_is_found(recorded):
     """No result tables at all: nothing is obtained but what stands in print."""
-    found = check_claims(claims_table(Sources(PRINT, CASE, nothing())), recorded)
+    found = check_claims(claims_table(Sources(PRINT, CASE, routes.nothing())), recorded)
     assert found["id"].str.startswith("table").sum() > 50
 
 
 def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
     stuck = replace(PAPER, F_k=60.0)
-    case = case_of(stuck)
-    numbers = by_key(numbers_of(exact(stuck), as_published(), unrounded(), case))
-    table = claims_table(Sources(PRINT, case, numbers))
-    assert table.set_index("id")["exact"]["table1.X_s.1"] == ""
-    found = check_claims(table, recorded).set_index("id")["now"]
+    case = routes.case_of(stuck)
+    numbers = by_key(routes.numbers_of(exact(stuck), as_published(), routes.unrounded(), case))
+    stuck = claims_table(Sources(PRINT, case, numbers))
+    assert stuck.set_index("id")["exact"]["table1.X_s.1"] == ""
+    found = check_claims(stuck, recorded).set_index("id")["now"]
     assert found["parameter.F_k"] == found["table1.X.1"] == "differs"
     assert "table1.t_s.1" not in found.index  # as published it is still obtained
 
@@ -319,7 +300,7 @@ def test_a_configuration_in_which_nothing_slips_is_judged_too(recorded):
 
 def test_claims_survive_their_file(claims, tmp_path):
     write_csv(tmp_path / "claims.csv", claims)
-    assert (read_texts(tmp_path / "claims.csv", CLAIM_COLUMNS) == claims).all(axis=None)
+    assert (read_texts(tmp_path / "claims.csv", table.CLAIM_COLUMNS) == claims).all(axis=None)
 
 
 @pytest.mark.parametrize(
@@ -335,7 +316,7 @@ def test_a_record_that_cannot_be_relied_on_is_refused(tmp_path, line, message):
     rows = ["id,printed,verdict", "table1.X.1,0.00273,reproduced", "table1.X.2,0.00439,simulated"]
     path.write_text("\n".join([*rows, "", line]), encoding="utf-8")
     with pytest.raises(ValueError, match=message):
-        read_record(path)
+        table.read_record(path)
 
 
 @pytest.mark.parametrize(

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import itertools
 import math
+import random
 
 import numpy as np
 import pytest
 
+from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit
 from dampbalance.balance import slip_displacement, slip_time, slip_velocity
 from dampbalance.features import of_numbers, of_orbit
+from dampbalance.motion.orbit import MOST_EVENTS, RANGES
 from dampbalance.solver import contact_stiffness
 from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
 
@@ -95,6 +98,23 @@ def test_eq_6_balance_of_the_integrals_of_eq_7(orbit):
     assert orbit.a == pytest.approx(a, rel=1e-11)
     assert of_stick == pytest.approx(4.0 * PAPER.Z_m, rel=1e-8)  # what t_1 would add
     assert orbit.b == pytest.approx(over_a_period(orbit, lambda s, t: s.v**2), rel=1e-11)
+
+
+def test_eq_6_closes_wherever_numbers_are_taken_from():
+    draw, slipped = random.Random(2010), 0
+    for _ in range(200):
+        zeta, r, K, F = (
+            10 ** draw.uniform(math.log10(low), math.log10(min(high, 1e8)))
+            for low, high in RANGES.values()
+        )
+        if math.sqrt(1.0 + K) / r > 0.1 * MOST_EVENTS:  # slow ones would take most of the time
+            continue
+        orbit = steady_orbit(Oscillator(1.0, 2.0 * zeta, 1.0, K, F), BaseMotion(1.0, r))
+        if orbit.regime is not Regime.NO_SLIP:
+            slipped += 1
+            spent = orbit.a * F + orbit.b * 2.0 * zeta
+            assert abs(orbit.W - spent) <= 1e-6 * spent  # what `check_feasible` lets rounding take
+    assert slipped > 50
 
 
 def test_eq_10_corrected(orbit):

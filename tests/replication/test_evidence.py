@@ -11,7 +11,8 @@ import pytest
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.printed import Printed
 from dampbalance.replication.numbers import by_key
-from paper_case import LEVELS, OMEGA, PAIRS, PAPER, features_at
+from paper_case import LEVELS, PAPER, features_at
+from replication.by_hand import estimates, missed
 from replication.routes import CASE, CONFIG, PRINT, numbers, unrounded
 
 
@@ -65,32 +66,8 @@ def test_choices_are_the_rules_of_the_configuration():
     assert len(fewer["discrete"]) == 17 - 1 - 2
 
 
-# ---- Formulas of their own: Eqs. (16), (18) and (19) solved anew ----------------------------------------------------
-
-
-def estimates(omega, X, Y, V_s, phi, t_s, way, sign=+1.0):
-    """F_k and c of every pair, by (column, pair), from the inputs of Table 3.   way : X + X_s."""
-    b, W = math.pi * omega * X**2, math.pi * PAPER.k * Y * X * np.sin(phi)
-    travels = {
-        "t_s": 2.0 * X * (1.0 + math.cos(omega * t_s)),
-        "X_s": 2.0 * (2.0 * X - way),
-        "V_s": 2.0 * X * (1.0 + np.sqrt(1.0 + sign * (V_s / (omega * X)) ** 2)),
-    }
-    for name, a in travels.items():
-        for i, j in PAIRS:
-            determinant = a[i] * b[j] - a[j] * b[i]
-            F_k = (W[i] * b[j] - W[j] * b[i]) / determinant
-            yield (name, f"{i + 1}-{j + 1}"), F_k, (a[i] * W[j] - a[j] * W[i]) / determinant
-
-
-def missed(**inputs):
-    """How many numbers of Table 3 the inputs do not give."""
-    count = 0
-    for (name, label), *found in estimates(OMEGA, Y=np.array(LEVELS), **inputs):
-        for symbol, value in zip(("F_k", "c"), found, strict=True):
-            printed = PRINT[f"table3.{name}.{symbol}.{label}"]
-            count += f"{value:.{printed.decimals}f}" != printed.text
-    return count
+def missed_by(**inputs):
+    return len(missed(**inputs))
 
 
 def test_the_digits_hang_on_nine_inputs():
@@ -98,22 +75,22 @@ def test_the_digits_hang_on_nine_inputs():
     V_s = unrounded()["V_s_m_per_s"].to_numpy()
     inputs = {"X": X, "way": 13e-6, "t_s": 2.1e-3, "phi": 1.542, "V_s": V_s}
     found = evidence.inputs_of_table_3(CASE, by_key(numbers()))
-    assert missed(**inputs) == 0
+    assert missed_by(**inputs) == 0
     assert (found["given"], found["inputs"], len(found["moved"])) == (30, 9, 9)
     steps = {f"X_{level}": ("X", 1e-6 * (np.arange(1, 6) == level)) for level in range(1, 6)}
     steps |= {"X + X_s": ("way", 1e-6), "t_s": ("t_s", 1e-4), "phi": ("phi", 1e-3)}
     for name, (key, step) in steps.items():
         moved = [inputs | {key: inputs[key] + sign * step} for sign in (-1.0, 1.0)]
-        assert found["moved"][name] == [missed(**of) for of in moved], name
+        assert found["moved"][name] == [missed_by(**of) for of in moved], name
     of_X = [n for name in steps if name.startswith("X_") for n in found["moved"][name]]
     assert found["moved_X"] == [min(of_X), max(of_X)]
     assert min(of_X) > 10
     assert found["moved"]["t_s"] == [0, 0]
-    assert found["moved"]["sign"] == [missed(**inputs, sign=-1.0)]
+    assert found["moved"]["sign"] == [missed_by(**inputs, sign=-1.0)]
     X_exact = np.array([2.7279431, 4.3880136, 6.0481638, 7.7083934, 9.3686833]) * 1e-3
-    assert found["given_by_exact_X"] == 30 - missed(**inputs | {"X": np.round(X_exact, 6)})
+    assert found["given_by_exact_X"] == 30 - missed_by(**inputs | {"X": np.round(X_exact, 6)})
     printed = PRINT.values("V_s")
-    assert found["missed_by_printed_V_s"] == missed(**inputs | {"V_s": printed}) == 0
+    assert found["missed_by_printed_V_s"] == missed_by(**inputs | {"V_s": printed}) == 0
 
 
 # ---- What is not printed -------------------------------------------------------------------------------------------
@@ -129,7 +106,7 @@ def errors_by_hand(X_m, phi_rad):
     X, Y, V_s, way = (of[:, None] for of in (of.X, np.array(LEVELS), of.V_s, of.X + of.X_s))
     inputs = {"X": X + moved, "Y": Y, "V_s": V_s, "phi": phi, "t_s": np.mean(of.t_s), "way": way}
     largest = np.zeros(unprinted.DRAWS)
-    for _, F_k, c in estimates(2.0 * math.pi * 11.1, **inputs):
+    for *_, (F_k, c) in estimates(2.0 * math.pi * 11.1, **inputs):
         errors = np.abs(F_k / PAPER.F_k - 1.0), np.abs(c / PAPER.c - 1.0)
         largest = np.maximum(largest, np.maximum(*errors))
     return 100.0 * largest

@@ -9,23 +9,19 @@ import re
 import numpy as np
 import pytest
 
-from dampbalance.replication.claims.judging import (
-    PHASE_UNIT_S,
-    VELOCITY_MARK,
-    WRITTEN,
-    Tolerance,
-    explanation,
-    phase_read,
-    propagated,
-    simulated,
-    verdict,
-)
+from dampbalance.replication.claims import judging
+from dampbalance.replication.claims.judging import WRITTEN, Claim, Tolerance
 from dampbalance.replication.claims.printed import Printed, Row
 from dampbalance.replication.claims.rules import bound_holds, word_holds
-from dampbalance.replication.claims.verdicts import PROPAGATED, READING, UNEXPLAINED
+from dampbalance.replication.claims.verdicts import (
+    PROPAGATED,
+    READING,
+    ROUTE_NAMES,
+    UNEXPLAINED,
+)
 from dampbalance.replication.numbers import Key
 from paper_case import OMEGA
-from replication.routes import CASE, PRINT, claim
+from replication.routes import CASE, PRINT
 
 NEAR = Tolerance(1.26, 1.30, "read so", READING)
 WIDE = Tolerance(1.2, 1.4, "the cause is unknown", UNEXPLAINED)
@@ -35,6 +31,14 @@ READ = {"route": "as_published", "half_unit": math.nan, "tolerances": (NEAR,)}
 FAR = {"exact": 1.28, "as_published": 1.2865}
 EXPLAINED = {"exact": 1.31, "tolerances": (WIDE,), "cause": "So read."}
 REFUTED = {"contradiction": "The mean needs 1.31."}
+
+
+def claim(printed: str, **parts) -> Claim:
+    """A claim on some number.   parts : values by route and fields of Claim."""
+    values = {route: parts.pop(route) for route in ROUTE_NAMES if route in parts}
+    return Claim(
+        Row("id", "", Key("", "F_k", unit="N"), "", printed, "computed", ""), values, **parts
+    )
 
 
 def by_authors(value: float, **parts: object) -> dict[str, object]:
@@ -106,8 +110,8 @@ def by_print(value: float) -> dict[str, object]:
 )
 def test_a_number_earns_its_verdict_by_the_route_that_judges(printed, parts, expected):
     made = claim(printed, **parts)
-    assert verdict(made).name == expected
-    assert "holds" in parts or explanation(made)
+    assert judging.verdict(made).name == expected
+    assert "holds" in parts or judging.explanation(made)
 
 
 def test_routes_are_those_that_give_a_number():
@@ -176,7 +180,7 @@ UNITS = "of the last digit above print"
     ],
 )
 def test_an_explanation_says_how_far_off_and_why(printed, parts, words):
-    said = explanation(claim(printed, **parts))
+    said = judging.explanation(claim(printed, **parts))
     assert re.fullmatch(words, said), said
 
 
@@ -185,7 +189,7 @@ def test_an_explanation_says_how_far_off_and_why(printed, parts, words):
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_phase_lies_within_its_resolution(side):
-    tolerances = phase_read(Printed("1.522"), OMEGA)
+    tolerances = judging.phase_read(Printed("1.522"), OMEGA)
     verdicts = {0.0499: READING, 0.0501: UNEXPLAINED, 0.199: UNEXPLAINED, 0.201: None}
     for ms, expected in verdicts.items():
         value = 1.522 + side * OMEGA * 1e-3 * ms
@@ -205,19 +209,19 @@ def test_the_units_of_reading_are_the_coarsest_that_print_allows():
     """φ/ω of the five levels are multiples of 0.05 ms, as rounded, and not of anything coarser; of the velocities,
     levels 2 to 5 are multiples of 0.05 mm/s, the first is not, and nothing coarser than their last digit suits all."""
     times, half = PRINT.values("phi") / OMEGA, 0.5e-3 / OMEGA
-    assert all(on_marks(times, half, PHASE_UNIT_S))
+    assert all(on_marks(times, half, judging.PHASE_UNIT_S))
     assert not any(all(on_marks(times, half, coarser)) for coarser in (1e-4, 2e-4, 5e-4))
     V_s, rounding = PRINT.values("V_s"), 1e-12
-    assert on_marks(V_s, rounding, VELOCITY_MARK) == [False, True, True, True, True]
+    assert on_marks(V_s, rounding, judging.VELOCITY_MARK) == [False, True, True, True, True]
     assert not any(all(on_marks(V_s, rounding, coarser)) for coarser in (2e-5, 1e-4))
     assert all(on_marks(V_s, rounding, 1e-5))
 
 
 def test_a_range_that_print_leaves_is_one_of_the_rebuilt_number_itself():
-    (tolerance,) = propagated((1.2798, 1.2802), Printed("1.280"))
+    (tolerance,) = judging.propagated((1.2798, 1.2802), Printed("1.280"))
     # not 1.2797, though print would round it to the same digits
     assert (tolerance.low, tolerance.high, tolerance.verdict) == (1.2798, 1.2802, PROPAGATED)
-    assert propagated(None, Printed("1.280")) == ()
+    assert judging.propagated(None, Printed("1.280")) == ()
 
 
 @pytest.mark.parametrize(
@@ -228,7 +232,7 @@ def test_a_range_that_print_leaves_is_one_of_the_rebuilt_number_itself():
     ],
 )
 def test_what_a_simulation_gives_is_near_within_ten_units_and_a_step_in_a_period(printed, reach):
-    (tolerance,) = simulated(Printed(printed), CASE)
+    (tolerance,) = judging.simulated(Printed(printed), CASE)
     assert tolerance.verdict is UNEXPLAINED
     ends = tolerance.low - float(printed), tolerance.high - float(printed)
     assert ends == pytest.approx((-reach, reach), rel=1e-3)
