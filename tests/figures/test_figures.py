@@ -103,7 +103,7 @@ def lightness(colour):
     return 116.0 * np.cbrt(float(linear @ [0.2126, 0.7152, 0.0722])) - 16.0
 
 
-def test_approaches_stay_apart_in_shape_and_in_grey():
+def test_approaches_stay_apart_in_shape_and_in_grey(monkeypatch):
     every = [*(looks.LOOKS[name] for name in balance.APPROACHES), *looks.SPARE]
     for of_look in ("marker", "shape", "series"):
         assert len({getattr(look, of_look) for look in every}) == len(every)
@@ -111,17 +111,12 @@ def test_approaches_stay_apart_in_shape_and_in_grey():
     # A step of 2 is just seen side by side; 8 is seen between markers that are apart.
     assert min(np.diff(values)) > 8.0
     assert abs(lightness(style.SLIP) - lightness(style.STICK)) > 25.0
-
-
-def test_an_approach_needs_no_more_than_its_entry_to_have_a_look(monkeypatch):
+    # a new approach needs no more than its entry to have a look
     for name in ("new", "newer"):
-        new = balance.Approach(name, balance.direct, f"{name} t_s", takes_phase=True)
-        monkeypatch.setitem(balance.APPROACHES, name, new)
+        monkeypatch.setitem(balance.APPROACHES, name, balance.Approach(name, balance.direct, "t_s"))
     names = ("new", "newer", "unregistered")
     assert [looks.look_of(name) for name in names] == list(looks.SPARE)
-    assert [looks.label_of(name) for name in names] == ["new t_s", "newer t_s", "unregistered"]
-    assert looks.label_of(balance.Approach("one", balance.direct, "one of ours")) == "one of ours"
-    assert looks.in_maths("new t_s of direct integration") == "new $t_s$ of direct integration"
+    assert [looks.in_maths(looks.label_of(name)) for name in names] == ["$t_s$", "$t_s$", names[2]]
 
 
 # --- Figure 2 ------------------------------------------------------------------------------------
@@ -190,21 +185,16 @@ def test_figure3_marks_what_table_1_lists_and_frames_what_it_enlarges(made, orbi
         assert frame.get_bbox().intervaly == pytest.approx(zoomed.get_ylim())
 
 
-def test_figure3_shows_and_names_every_level(made, orbits):
-    figure = panels(made["figure3"])
+def test_figure3_names_every_level_and_enlarges_the_first_that_slips(orbits):
+    stuck = steady_orbit(PAPER, BaseMotion(1e-4, OMEGA))
+    figure = panels(figures.figure3([stuck, *orbits[1:]]))
     for letter, of_state in (("a", lambda o: o.X * 1e3), ("c", lambda o: o.V_s)):
         axes = figure[letter]
         ends = {round(float(line.get_xdata()[n]), 9) for line in axes.lines for n in (0, -1)}
-        assert {round(of_state(orbit), 9) for orbit in orbits} <= ends
-        assert {"$Y$ = 4 mm", "6", "8", "10", "12"} <= set(texts(axes.texts))
-
-
-def test_figure3_enlarges_the_first_level_that_slips(orbits):
-    stuck = steady_orbit(PAPER, BaseMotion(1e-4, orbits[0].motion.omega))
-    assert math.isnan(stuck.X_s)
-    d = panels(figures.figure3([stuck, *orbits[1:]]))["d"]
-    assert line(d, "V_s").get_xdata()[0] == pytest.approx(orbits[1].V_s)
-    assert "$V_{2s}$" in texts(d.texts)
+        assert {round(of_state(orbit), 9) for orbit in orbits[1:]} <= ends
+        assert {"$Y$ = 0.1 mm", "6", "8", "10", "12"} <= set(texts(axes.texts))
+    assert line(figure["d"], "V_s").get_xdata()[0] == pytest.approx(orbits[1].V_s)
+    assert "$V_{2s}$" in texts(figure["d"].texts)
     with pytest.raises(ValueError, match="at least one orbit"):
         figures.figure3([])
 
@@ -227,22 +217,6 @@ def test_where_nothing_is_to_be_marked_the_regime_is_named(changed, drive, words
 # --- estimation error ----------------------------------------------------------------------------
 
 
-@pytest.fixture
-def stand_in():
-    """A table whose errors are plain: F_k off by 1 %, 0, missing and 10 %; c off by twice that."""
-    off = np.array([0.01, 0.0, math.nan, 0.1])
-    kinds = ["pair", "pair", "pair", "least_squares"]
-    lines = {"approach": "X_s", "phase": "common", "kind": kinds}
-    lines |= {"pair": ["1-2", "2-3", "1-3", "all"], "F_k_N": PAPER.F_k * (1.0 - off)}
-    return pd.DataFrame(lines | {"c_N_s_per_m": PAPER.c * (1.0 + 2.0 * off)})
-
-
-def off_by(factor):
-    """The errors of the stand-in, %, times a factor."""
-    expected = [factor, 0.0, math.nan, 10.0 * factor]
-    return pytest.approx(expected, rel=1e-12, abs=1e-12, nan_ok=True)
-
-
 def labelled(figure, name):
     (found,) = [axes for axes in figure.axes if axes.get_label() == name]
     return found
@@ -254,17 +228,26 @@ def drawn(figure, axes, label):
     return np.concatenate([line.get_ydata() for line in lines if line.get_label() == label])
 
 
-def test_errors_are_relative_to_the_truth_also_of_a_new_approach_and_term(stand_in, monkeypatch):
+def test_errors_are_relative_to_the_truth_also_of_a_new_approach_and_term(monkeypatch):
+    """F_k off by 1 %, 0, missing and 10 %; c by twice, d by thrice that, with the other sign."""
     monkeypatch.setitem(balance.APPROACHES, "new", balance.Approach("new", balance.direct))
     drag = Term("d", lambda v, w, k, omega: abs(v) * v, "", "kg/m", "", "", 2)
     monkeypatch.setitem(balance.TERMS, "d", drag)
-    both = pd.concat([stand_in, stand_in.assign(approach="new", phase="individual")])
-    both["d_kg_per_m"] = 2.0 * (1.0 + 3.0 * (1.0 - both["F_k_N"] / PAPER.F_k))
-    figure = error_figure({"omega1": both}, SimpleNamespace(F_k=PAPER.F_k, c=PAPER.c, d=2.0))
+    off = np.array([0.01, 0.0, math.nan, 0.1])
+    lines = {
+        "kind": ["pair", "pair", "pair", "least_squares"],
+        "pair": ["1-2", "2-3", "1-3", "all"],
+    }
+    lines |= {"F_k_N": PAPER.F_k * (1.0 - off), "c_N_s_per_m": PAPER.c * (1.0 + 2.0 * off)}
+    frame = pd.DataFrame(lines | {"d_kg_per_m": 5.0 * (1.0 + 3.0 * off)})
+    ways = ("X_s", "common"), ("new", "individual")
+    both = pd.concat([frame.assign(approach=name, phase=phase) for name, phase in ways])
+    figure = error_figure({"omega1": both}, SimpleNamespace(F_k=PAPER.F_k, c=PAPER.c, d=5.0))
     # neighbouring pairs 1-2, 2-3 first; then 1-3, which is missing; then least squares
-    for symbol, factor in (("F_k", -1.0), ("c", 2.0), ("d", 3.0)):
-        for label in ("X_s common", "new individual"):
-            assert drawn(figure, f"{symbol} omega1", label) == off_by(factor)
+    for symbol, factor in (("F_k", -100.0), ("c", 200.0), ("d", 300.0)):
+        expected = pytest.approx(factor * off, rel=1e-12, abs=1e-12, nan_ok=True)
+        for way in ways:
+            assert drawn(figure, f"{symbol} omega1", " ".join(way)) == expected
     assert "$\\omega_{1}/2\\pi$ = 4.92 Hz" in [axes.get_title() for axes in figure.axes]
     ticks = labelled(figure, "d omega1").get_xticklabels()
     assert texts(ticks) == ["4–6", "6–8", "4–8", "all"]
@@ -309,15 +292,12 @@ def test_a_signed_scale_holds_the_errors_of_either_sign(errors, expected):
     assert {scale.low, 0.0, scale.high} <= set(scale.ticks)
 
 
-def test_direct_integration_that_is_not_exact_is_drawn_like_the_others(estimates):
+def test_direct_integration_that_is_not_exact_is_drawn_and_a_missing_frequency_named(estimates):
     frame = estimates["omega1"].copy()
     frame.loc[frame["approach"] == "direct", ["F_k_N", "c_N_s_per_m"]] *= 1.0001
     # 0.01 %, on top of errors of 1e-12 %
     shown = drawn(error_figure({"omega1": frame}), "c omega1", "direct individual")
     assert shown == pytest.approx([0.01] * (len(PAIRS) + 1), rel=1e-6)
-
-
-@pytest.mark.parametrize(("wanted", "words"), [({"omega2": 3.5}, "omega2"), ({}, "freq")])
-def test_a_missing_frequency_is_named(stand_in, wanted, words):
-    with pytest.raises(ValueError, match=words):
-        figures.estimation_error({"omega1": stand_in}, PAPER, wanted, LEVELS)
+    for wanted in ({"omega2": 3.5}, {}):
+        with pytest.raises(ValueError, match=r"estimates needed for the frequencies"):
+            figures.estimation_error({"omega1": frame}, PAPER, wanted, LEVELS)

@@ -24,9 +24,6 @@ from dampbalance.replication.numbers import by_key
 from replication import routes
 from replication.routes import CASE, PRINT, Route, sources_of
 
-pytestmark = pytest.mark.slow
-
-
 RANKS = list(VERDICTS)
 
 _FOLLOWS = {
