@@ -122,22 +122,6 @@ def test_approaches_stay_apart_in_shape_and_in_grey(monkeypatch):
 # --- Figure 2 ------------------------------------------------------------------------------------
 
 
-def test_branches_make_one_closed_cycle(orbits):
-    orbit = orbits[0]
-    cycle = branches(orbit)
-    assert [branch.stick for branch in cycle] == [True, False, True, False]
-    sizes = (orbit.X, 0.1, 3.0, PAPER.Z_m)
-    for here, following in zip(cycle, [*cycle[1:], cycle[0]], strict=True):
-        for end, start, scale in zip(here.state, following.state, sizes, strict=True):
-            # rounding of the instant, carried by the steepest change (acceleration: 5e2 m/s³)
-            assert end[-1] == pytest.approx(start[0], abs=1e-11 * scale)
-        deflection = np.abs(here.state.z[1:-1])
-        if here.stick:
-            assert np.all(deflection < PAPER.Z_m)
-        else:
-            assert deflection == pytest.approx(PAPER.Z_m, rel=1e-12)
-
-
 def test_figure2_marks_the_four_instants_and_draws_the_friction_force_of_the_orbit(made, orbits):
     orbit, F_k, (whole, zoom) = orbits[0], PAPER.F_k, made["figure2"].axes
     for letter, instant, v, f in (

@@ -40,88 +40,86 @@ def joined(printed, case=CASE, column=MARKS, allowed=None, others=None, **row):
     )
 
 
-def b_of(exact, as_published=math.nan, **of):
-    return joined("2.00", quantity="b", exact=exact, as_published=as_published, **of)
+def simulated(exact, as_published=math.nan, quantity="b", case=CASE):
+    return joined("2.00", quantity=quantity, exact=exact, as_published=as_published, case=case)
 
 
-def t_s_of(exact=math.nan):
+def t_s(exact=math.nan):
     return joined("2.9E-3", exact=exact)
 
 
-def V_s_of(others, **of):
-    return joined("0.01135", others=others, **of)
+def V_s(others, column=MARKS):
+    return joined("0.01135", others=others, column=column)
 
 
-def pair_of(printed, **of):
-    return joined(printed, allowed=(1.274, 1.286), **of)
+def sign(printed, others, **of):
+    return joined(printed, as_published=float(printed), others=others, **of)
+
+
+def pair(printed, approach="direct"):
+    return joined(printed, allowed=(1.274, 1.286), approach=approach)
+
+
+def c(from_print=math.nan, exact=math.nan):
+    return joined("90.0402", from_print=from_print, exact=exact)
+
+
+NAMED = {
+    causes.backward_euler: [
+        (simulated(2.0, 2.0002), rf"mω²h = {EFFECTIVE:.4f}; .* relative \+1.0e-04"),
+        (simulated(2.0, 2.0002, "F_k"), ""),
+        (simulated(2.0, 2.0002, case=OTHER_SCHEME), ""),
+        (simulated(2.0), ""),
+        (simulated(0.0, 1.0), ""),
+    ],
+    causes.printed_inputs_differ: [(c(90.04025), ""), (c(90.05), "give 90.05000000")],
+    causes.slip_time_as_read: [
+        (t_s(2.984e-3), r"2.984 ms, .* 2.974 ms; .* whole tenths\.$"),
+        (t_s(2.904e-3), ""),  # 2.894 ms: tenths would be 2.8
+        (t_s(3.004e-3), "3.004 ms, .* 2.994 ms; .* tenths. .* chosen"),  # tenths of it: 3.0
+        (t_s(3.011e-3), ""),  # 3.001 ms
+        (t_s(), ""),
+    ],
+    causes.slip_velocity_as_read: [
+        (V_s(0.0113), "11.300 .* 11.30, not as printed.$"),
+        (V_s(0.01134), "11.340 .* 11.35, as printed.$"),
+        (V_s(0.01134, (0.01130, 0.01134, 0.01135)), "11.35, as printed; at level 2 "),
+        (V_s(math.nan), ""),
+    ],
+    causes.phase: [
+        (joined("1.541", exact=1.54, others=1.57), r"\+0.0010 rad.*-0.0290 rad"),
+        (joined("1.541", exact=1.57, others=1.54), ""),
+        (joined("1.541", others=1.54), ""),
+    ],
+    causes.sign: [
+        (sign("1.3", 1.29431), r"1.2943 N. .*4.0 units off .* plus 0.4\).* alone .* \(0.34"),
+        (sign("90.1", 90.0231, unit="N s/m"), r"be 90\.023 N s/m\."),
+        (sign("1.3", 1.3), ""),
+        (sign("1.3", math.nan), ""),
+    ],
+    causes.outside: [
+        (pair("1.27"), ""),  # within half a unit
+        (pair("1.29"), ""),
+        (pair("1.273"), "Table 2, .* 1.27400 to 1.28600 only"),
+        (pair("1.287", "X_s"), "Table 3, .* 1.27400 to 1.28600 only"),
+        (joined("1.30"), ""),
+    ],
+    causes.printed_inputs: [
+        (joined("1.28", from_print=1.285, exact=1.2889, approach="X_s"), "1's .* by -0.00 from"),
+        (c(90.05, 90.04), r"Table 2's .* by \+0.0100 from"),
+        (c(exact=1.0), ""),
+    ],
+    causes.starting_sample: [
+        (joined("0.01", quantity="W"), ""),
+        (joined("0.01", quantity="a"), "a sample after .* period 24"),
+        (joined("0.01", quantity="a", line="3"), "2 samples after"),
+    ],
+    causes.cut_off: [(c(90.040254), "^90.040254 "), (c(90.040244), ""), (c(90.04034), "")],
+}
 
 
 @pytest.mark.parametrize(
-    ("cause", "of", "words"),
-    [
-        (
-            causes.backward_euler,
-            b_of(2.0, 2.0002),
-            f"mω²h = {EFFECTIVE:.4f}; .* relative \\+1.0e-04",
-        ),
-        (causes.backward_euler, joined("2.00", exact=2.0, as_published=2.0002), ""),  # F_k
-        (causes.backward_euler, b_of(2.0, 2.0002, case=OTHER_SCHEME), ""),
-        (causes.backward_euler, b_of(2.0), ""),
-        (causes.backward_euler, b_of(0.0, 1.0), ""),
-        (causes.printed_inputs_differ, joined("90.0402", from_print=90.04025), ""),
-        (causes.printed_inputs_differ, joined("90.0402", from_print=90.05), "give 90.05000000"),
-        (causes.slip_time_as_read, t_s_of(2.984e-3), r"2.984 ms, .* 2.974 ms; .* whole tenths\.$"),
-        (causes.slip_time_as_read, t_s_of(2.904e-3), ""),  # 2.894 ms: tenths would be 2.8
-        # whole tenths of it would be 3.0
-        (causes.slip_time_as_read, t_s_of(3.004e-3), "3.004 ms, .* 2.994 ms; .* tenths. .* chosen"),
-        (causes.slip_time_as_read, t_s_of(3.011e-3), ""),  # 3.001 ms
-        (causes.slip_time_as_read, t_s_of(), ""),
-        (causes.slip_velocity_as_read, V_s_of(0.0113), "11.300 .* 11.30, not as printed.$"),
-        (causes.slip_velocity_as_read, V_s_of(0.01134), "11.340 .* 11.35, as printed.$"),
-        (
-            causes.slip_velocity_as_read,
-            V_s_of(0.01134, column=(0.01130, 0.01134, 0.01135)),
-            "11.35, as printed; at level 2 ",
-        ),
-        (causes.slip_velocity_as_read, V_s_of(math.nan), ""),
-        (causes.phase, joined("1.541", exact=1.54, others=1.57), r"\+0.0010 rad.*-0.0290 rad"),
-        (causes.phase, joined("1.541", exact=1.57, others=1.54), ""),
-        (causes.phase, joined("1.541", others=1.54), ""),
-        (
-            causes.sign,
-            joined("1.3", as_published=1.3, others=1.29431),
-            r"1.2943 N. .*4.0 units off at best; the plus 0.4.* alone do not \(0.34",
-        ),
-        (
-            causes.sign,
-            joined("90.1", as_published=90.1, others=90.0231, unit="N s/m"),
-            r"be 90\.023 N s/m\.",
-        ),
-        (causes.sign, joined("1.3", as_published=1.3, others=1.3), ""),
-        (causes.sign, joined("1.3", as_published=1.3, others=math.nan), ""),
-        (causes.outside, pair_of("1.27"), ""),  # within half a unit
-        (causes.outside, pair_of("1.29"), ""),
-        (causes.outside, pair_of("1.273"), "Table 2, .* 1.27400 to 1.28600 only"),
-        (causes.outside, pair_of("1.287", approach="X_s"), "Table 3, .* 1.27400 to 1.28600 only"),
-        (causes.outside, joined("1.30"), ""),
-        (
-            causes.printed_inputs,
-            joined("1.28", from_print=1.285, exact=1.2889, approach="X_s"),
-            "Table 1's .* by -0.00 from",
-        ),
-        (
-            causes.printed_inputs,
-            joined("90.0402", from_print=90.05, exact=90.04),
-            r"Table 2's .* by \+0.0100 from",
-        ),
-        (causes.printed_inputs, joined("90.0402", exact=1.0), ""),
-        (causes.starting_sample, joined("0.01", quantity="W"), ""),
-        (causes.starting_sample, joined("0.01", quantity="a"), "a sample after .* period 24"),
-        (causes.starting_sample, joined("0.01", quantity="a", line="3"), "2 samples after"),
-        (causes.cut_off, joined("90.0402", from_print=90.040254), "^90.040254 "),
-        (causes.cut_off, joined("90.0402", from_print=90.040244), ""),
-        (causes.cut_off, joined("90.0402", from_print=90.04034), ""),
-    ],
+    ("cause", "of", "words"), [(cause, *of) for cause, cases in NAMED.items() for of in cases]
 )
 def test_a_cause_is_named_where_it_explains_and_not_elsewhere(cause, of, words):
     said = cause(of)

@@ -139,6 +139,7 @@ def test_page_and_summary_have_a_line_per_claim_and_count_them(claims, computed,
     assert text.startswith("133 verdicts as on record.\n\n")
     counts = [len(computed), *((computed["verdict"] == name).sum() for name in VERDICTS), 27, 6]
     assert re.search(rf"^all +{' +'.join(map(str, counts))}$", text, re.MULTILINE)
+    assert re.search(r"^Text +18 .* 0 +6$", text, re.MULTILINE)
     assert "has 27 of 27 given inputs; 5 of 6 statements hold" in text
     left = claims[~claims["verdict"].isin(HOLDING)]
     for row in left.to_dict("records"):

@@ -38,11 +38,6 @@ def errors(table):
     return table.set_index(["frequency", "approach", "phase", "sharing"]).to_dict("index")
 
 
-def test_every_approach_phase_and_frequency_has_one_line(table, errors):
-    # direct and fourier once, X_s, t_s, V_s with three phases, individual and common
-    assert len(table) == len(errors) == 3 * (2 + 3 * 3 * 2)
-
-
 # Worked out apart from this code, from exact features: the three common-phase numbers are the paper's own comparison
 # ("1.5 %", "20 %", "more than 70 %"). Half a unit of the digits.
 @pytest.mark.parametrize(
@@ -100,8 +95,10 @@ def test_the_papers_own_fit_is_stated_beside_the_shifts(table, errors):
     ]
 
 
-def test_the_fourier_balance_holds_everywhere(errors):
+def test_the_fourier_balance_holds_everywhere(table, errors):
     """Three harmonics, as worked out apart from this code to their printed digits; c: the bound of the approach."""
+    # a line each: direct and fourier once, X_s, t_s, V_s with three phases, individual and common
+    assert len(table) == len(errors) == 3 * (2 + 3 * 3 * 2)
     for frequency, F_k in (("omega1", 0.021), ("omega2", 0.049), ("omega3", 0.007)):
         line = errors[frequency, "fourier", "", ""]
         assert line["F_k_error_percent"] == pytest.approx(F_k, abs=0.0005)

@@ -13,12 +13,7 @@ from dampbalance.replication.claims import judging
 from dampbalance.replication.claims.judging import WRITTEN, Claim, Tolerance
 from dampbalance.replication.claims.printed import Printed, Row
 from dampbalance.replication.claims.rules import bound_holds, word_holds
-from dampbalance.replication.claims.verdicts import (
-    PROPAGATED,
-    READING,
-    ROUTE_NAMES,
-    UNEXPLAINED,
-)
+from dampbalance.replication.claims.verdicts import PROPAGATED, READING, ROUTE_NAMES, UNEXPLAINED
 from dampbalance.replication.numbers import Key
 from paper_case import OMEGA
 from replication.routes import CASE, PRINT
@@ -64,12 +59,10 @@ def by_print(value: float) -> dict[str, object]:
         ("1.28", {"exact": math.nan, "tolerances": (NEAR,)}, "differs"),
         # the best verdict that holds, however the column came about
         ("1.280", by_authors(1.283, exact=1.28), "reproduced"),
-        ("1.280", by_authors(1.28, exact=1.28, from_print=1.28), "reproduced"),
         ("1.280", by_authors(1.28, exact=1.282, from_print=1.28), "simulated"),
         ("1.280", by_authors(1.2807, exact=1.282, from_print=1.28), "from print"),
         ("1.280", by_authors(1.282, exact=1.2807), "differs"),
         ("1.280", by_authors(1.282, exact=1.28, shown_only=("exact",)), "differs"),
-        ("1.280", {"exact": 1.28, "as_published": 1.283}, "reproduced"),
         # then its own route must not be far off either, nor the best one from where it belongs
         ("1.280", by_authors(1.2865, exact=1.28), "differs"),
         ("1.6", by_authors(1.6, exact=1.643, expected={"exact": 1.642}), "reproduced"),
@@ -82,14 +75,12 @@ def by_print(value: float) -> dict[str, object]:
         ("1.280", ELSEWHERE | {"as_published": 1.33}, "reproduced"),
         ("1.280", ELSEWHERE | {"as_published": 1.34}, "differs"),
         ("1.28", READ | {"as_published": 1.28}, "reading"),
-        ("1.28", READ | {"as_published": 1.29}, "reading"),
         ("1.28", READ | {"as_published": 1.31}, "differs"),
         ("1.28", READ | {"as_published": 1.284, "exact": 1.2801}, "reproduced"),
         # what a route writes itself must be the same
         ("2.9E-3", {"exact": 2.9e-3, "half_unit": WRITTEN}, "reproduced"),
         ("2.9E-3", {"exact": 2.901e-3, "half_unit": WRITTEN}, "differs"),
         # one unit of two digits is no near miss, nor where print shows what was rounded
-        ("1.28", {"exact": 1.29}, "last digit"),
         ("1.3", {"exact": 1.4}, "differs"),
         ("1.28", {"exact": 1.29, "allowed": (1.27, 1.286)}, "last digit"),
         ("1.28", {"exact": 1.29, "allowed": (1.279, 1.2799)}, "differs"),
@@ -133,7 +124,6 @@ UNITS = "of the last digit above print"
         ("1.28", {"exact": 1.299}, f"Exact: 1.9 units {UNITS}. {NOTHING}"),
         ("1.28", {"exact": 1.261}, f"Exact: 1.9 units of the last digit below print. {NOTHING}"),
         ("1.28", {"exact": 1.29}, f"Exact: 1 unit {UNITS}."),
-        ("1.28", {"exact": 1.47}, f"Exact: 19 units {UNITS}. {NOTHING}"),
         ("1.000", {"exact": 1.025}, f"Exact: 2.5 % above print. {NOTHING}"),
         ("1.000", {"exact": 0.9}, f"Exact: 10 % below print. {NOTHING}"),
         # the route of the column is named however close another comes, unless that one decides

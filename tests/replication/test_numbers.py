@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.project.files import EVERY_DIGIT, read_csv, write_csv
 from dampbalance.replication.numbers import COLUMNS, Key, by_key, features_of, number
 from replication.routes import CASE, PAPER, PRINT, as_published, exact, numbers, unrounded
 
@@ -60,12 +59,3 @@ def test_features_come_back_as_they_were(rows):
     for column, values in features.to_columns().items():
         if column != "regime":
             np.testing.assert_allclose(values, frame[column], rtol=1e-15)
-
-
-def test_the_file_keeps_every_bit_also_without_a_paper(tmp_path):
-    table = numbers().drop(columns=["printed", "verdict"]).assign(id="")
-    write_csv(tmp_path / "numbers.csv", table, EVERY_DIGIT)
-    again = read_csv(tmp_path / "numbers.csv")
-    assert list(by_key(again)) == list(by_key(table))
-    assert (again["id"] == "").all()
-    np.testing.assert_array_equal(again[list(COLUMNS)], table[list(COLUMNS)])
