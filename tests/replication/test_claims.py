@@ -192,7 +192,7 @@ def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
 
 
 def test_a_changed_printed_digit_is_found(recorded):
-    """Every last digit of a computed number is changed in test_mutations.py; here statements and what is given."""
+    """Every last digit of a computed number is changed in test_broken_rebuild.py; here statements and what is given."""
     changed = {"table1.Y.1": "0.005", "parameter.K_z": "280000", "text.direct_best": "false"}
     changed |= {"text.max_error_F_k": "50", "text.max_error_c": "9"}
     changed |= {"text.max_error_omega3": "95", "text.accuracy_omega2": "improved"}
