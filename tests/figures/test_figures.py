@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -81,9 +82,7 @@ def test_files_have_the_same_bytes_fit_a_column_and_say_what_they_show(made, orb
         assert dict(matplotlib.rcParams) == before
     for name, (svg, _) in usual.items():
         assert b"<dc:description>What it shows: \xcf\x86 \xe2\x88\x92 1.</dc:description>" in svg
-        assert not any(
-            word in svg for word in (b"dc:date", b"dc:creator", matplotlib.__version__.encode())
-        )
+        assert not re.search(rb"dc:date|dc:creator|Matplotlib v\d", svg)
         with Image.open(tmp_path / f"{name}.png") as image:
             assert set(image.info) == {"Description", "dpi"}
             assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)  # in dots per m
@@ -124,14 +123,9 @@ def test_approaches_stay_apart_in_shape_and_in_grey(monkeypatch):
 
 def test_figure2_marks_the_four_instants_and_draws_the_friction_force_of_the_orbit(made, orbits):
     orbit, F_k, (whole, zoom) = orbits[0], PAPER.F_k, made["figure2"].axes
-    for letter, instant, v, f in (
-        ("A", "t_2", 0.0, F_k),
-        ("B", "t_r", -orbit.V_s, -F_k),
-        ("C", "t_1", 0.0, -F_k),
-        ("D", "t_s", orbit.V_s, F_k),
-    ):
-        assert line(zoom, letter).get_xydata()[0] == pytest.approx((v, f))
-        assert rf"$\mathbf{{{letter}}}$, ${instant}$" in texts(zoom.texts)
+    marks = {"A": (0.0, F_k), "B": (-orbit.V_s, -F_k), "C": (0.0, -F_k), "D": (orbit.V_s, F_k)}
+    for letter, place in marks.items():
+        assert line(zoom, letter).get_xydata()[0] == pytest.approx(place)
     v, f = np.concatenate([c.get_xydata() for c in whole.lines if len(c.get_xydata()) > 2]).T
     # The work of the friction force over the cycle is what slip takes: ∮ f ẋ dt = ∮ f dx = F_k a, Eq. (6).
     x = np.concatenate([branch.state.x for branch in branches(orbit)])
@@ -161,15 +155,14 @@ def test_figure3_marks_what_table_1_lists_and_frames_what_it_enlarges(made, orbi
         mark = line(axes, label)
         assert mark.get_xdata() == pytest.approx([x] * 2)
         assert mark.get_ydata()[1] == pytest.approx(acceleration, rel=1e-9)
-    labels = {"$-X_{1}$", "$X_{1s}$", "$V_{1s}$", "$X_{1} + X_{1s}$ = 12.31 µm"}
-    assert labels <= {*texts(b.texts), *texts(d.texts)}
+    assert "$X_{1} + X_{1s}$ = 12.31 µm" in texts(b.texts)
     for zoomed, whole in ((b, figure["a"]), (d, figure["c"])):
         (frame,) = whole.patches
         assert frame.get_bbox().intervalx == pytest.approx(zoomed.get_xlim())
         assert frame.get_bbox().intervaly == pytest.approx(zoomed.get_ylim())
 
 
-def test_figure3_names_every_level_and_enlarges_the_first_that_slips(orbits):
+def test_figure3_shows_every_level_and_enlarges_the_first_that_slips(orbits):
     stuck = steady_orbit(PAPER, BaseMotion(1e-4, OMEGA))
     figure = panels(figures.figure3([stuck, *orbits[1:]]))
     for letter, of_state in (("a", lambda o: o.X * 1e3), ("c", lambda o: o.V_s)):
@@ -178,7 +171,6 @@ def test_figure3_names_every_level_and_enlarges_the_first_that_slips(orbits):
         assert {round(of_state(orbit), 9) for orbit in orbits[1:]} <= ends
         assert {"$Y$ = 0.1 mm", "6", "8", "10", "12"} <= set(texts(axes.texts))
     assert line(figure["d"], "V_s").get_xdata()[0] == pytest.approx(orbits[1].V_s)
-    assert "$V_{2s}$" in texts(figure["d"].texts)
     with pytest.raises(ValueError, match="at least one orbit"):
         figures.figure3([])
 
@@ -218,10 +210,7 @@ def test_errors_are_relative_to_the_truth_also_of_a_new_approach_and_term(monkey
     drag = Term("d", lambda v, w, k, omega: abs(v) * v, "", "kg/m", "", "", 2)
     monkeypatch.setitem(balance.TERMS, "d", drag)
     off = np.array([0.01, 0.0, math.nan, 0.1])
-    lines = {
-        "kind": ["pair", "pair", "pair", "least_squares"],
-        "pair": ["1-2", "2-3", "1-3", "all"],
-    }
+    lines = {"kind": ["pair"] * 3 + ["least_squares"], "pair": ["1-2", "2-3", "1-3", "all"]}
     lines |= {"F_k_N": PAPER.F_k * (1.0 - off), "c_N_s_per_m": PAPER.c * (1.0 + 2.0 * off)}
     frame = pd.DataFrame(lines | {"d_kg_per_m": 5.0 * (1.0 + 3.0 * off)})
     ways = ("X_s", "common"), ("new", "individual")
@@ -232,10 +221,8 @@ def test_errors_are_relative_to_the_truth_also_of_a_new_approach_and_term(monkey
         expected = pytest.approx(factor * off, rel=1e-12, abs=1e-12, nan_ok=True)
         for way in ways:
             assert drawn(figure, f"{symbol} omega1", " ".join(way)) == expected
-    assert "$\\omega_{1}/2\\pi$ = 4.92 Hz" in [axes.get_title() for axes in figure.axes]
     ticks = labelled(figure, "d omega1").get_xticklabels()
     assert texts(ticks) == ["4–6", "6–8", "4–8", "all"]
-    assert "new" in texts(figure.legends[0].get_texts())
 
 
 def test_every_estimate_is_in_the_picture_and_what_is_exact_lies_on_zero(made, estimates):
