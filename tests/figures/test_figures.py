@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 from dataclasses import replace
@@ -43,13 +44,14 @@ def error_figure(estimates, oscillator=PAPER):
 
 @pytest.fixture(scope="module")
 def made(orbits, estimates):
-    """Name of a figure → the figure; no test changes it."""
-    return {
-        "figure1": figures.schematic(),
-        "figure2": figures.friction_velocity_loop(orbits[0]),
-        "figure3": figures.figure3(orbits),
-        "estimation_error": error_figure(estimates),
+    """A function from the name of a figure to the figure, drawn when first asked for; no test changes it."""
+    draw = {
+        "figure1": figures.schematic,
+        "figure2": lambda: figures.friction_velocity_loop(orbits[0]),
+        "figure3": lambda: figures.figure3(orbits),
+        "estimation_error": lambda: error_figure(estimates),
     }
+    return functools.cache(lambda name: draw[name]())
 
 
 def panels(figure):
@@ -68,13 +70,18 @@ def texts(artists):
 # --- files and looks -----------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("name", figures.ALT)
+def test_no_text_is_clipped_or_overlaps_another(made, name):
+    assert faults(made(name)) == []
+
+
 def test_files_have_the_same_bytes_fit_a_column_and_say_what_they_show(made, orbits, tmp_path):
     def written(figure, name):
         svg, png = tmp_path / f"{name}.svg", tmp_path / f"{name}.png"
         figures.save(figure, svg, png, "What it shows: φ − 1.")
         return svg.read_bytes(), png.read_bytes()
 
-    usual = {name: written(figure, name) for name, figure in made.items()}
+    usual = {name: written(made(name), name) for name in figures.ALT}
     theirs = {"font.size": 20.0, "svg.hashsalt": None, "savefig.dpi": 50, "axes.grid": True}
     with matplotlib.rc_context(theirs):
         before = dict(matplotlib.rcParams)
@@ -88,11 +95,6 @@ def test_files_have_the_same_bytes_fit_a_column_and_say_what_they_show(made, orb
             assert image.info["dpi"] == pytest.approx((300, 300), abs=0.01)  # in dots per m
             width = 90 if name == "figure1" else 180
             assert image.width == int(width / 25.4 * 300)  # whole pixels
-
-
-@pytest.mark.parametrize("name", figures.ALT)
-def test_no_text_is_clipped_or_overlaps_another(made, name):
-    assert faults(made[name]) == []
 
 
 def lightness(colour):
@@ -122,7 +124,7 @@ def test_approaches_stay_apart_in_shape_and_in_grey(monkeypatch):
 
 
 def test_figure2_marks_the_four_instants_and_draws_the_friction_force_of_the_orbit(made, orbits):
-    orbit, F_k, (whole, zoom) = orbits[0], PAPER.F_k, made["figure2"].axes
+    orbit, F_k, (whole, zoom) = orbits[0], PAPER.F_k, made("figure2").axes
     marks = {"A": (0.0, F_k), "B": (-orbit.V_s, -F_k), "C": (0.0, -F_k), "D": (orbit.V_s, F_k)}
     for letter, place in marks.items():
         assert line(zoom, letter).get_xydata()[0] == pytest.approx(place)
@@ -140,7 +142,7 @@ def test_figure2_marks_the_four_instants_and_draws_the_friction_force_of_the_orb
 
 
 def test_figure3_marks_what_table_1_lists_and_frames_what_it_enlarges(made, orbits):
-    orbit, figure = orbits[0], panels(made["figure3"])
+    orbit, figure = orbits[0], panels(made("figure3"))
     b, d = figure["b"], figure["d"]
     # Each mark ends on the curve: the acceleration follows from the equation of motion, Eqs. (1), (2).
     m, c, k, F_k = PAPER.m, PAPER.c, PAPER.k, PAPER.F_k
@@ -226,7 +228,7 @@ def test_errors_are_relative_to_the_truth_also_of_a_new_approach_and_term(monkey
 
 
 def test_every_estimate_is_in_the_picture_and_what_is_exact_lies_on_zero(made, estimates):
-    figure = made["estimation_error"]
+    figure = made("estimation_error")
     for name, frame in estimates.items():
         pairs = frame[frame["kind"].isin(["pair", "least_squares"])]
         for symbol, column, true in (("F_k", "F_k_N", PAPER.F_k), ("c", "c_N_s_per_m", PAPER.c)):
