@@ -59,7 +59,8 @@ def test_choices_are_the_rules_of_the_configuration():
     assert choices["continuous"] == {"step_s": rules["step_s"]}
     for name in ("scheme", "cycles", "c_over_m_decimals", "k_over_m_decimals"):
         assert choices["discrete"][name] == rules[name]
-    assert rules["two_point"].items() <= choices["discrete"].items()
+    starts = {f"slip_samples.{level}": n for level, n in enumerate(rules["slip_samples"], 1)}
+    assert (rules["two_point"] | starts).items() <= choices["discrete"].items()
     assert len(choices["discrete"]) == 4 + 5 + len(rules["two_point"]) + 2 == 17
     numerics = replace(CASE.numerics, k_over_m_decimals=None, slip_samples=(1, 1, 1))
     fewer = evidence.free_choices(replace(CASE, numerics=numerics))
