@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from dataclasses import replace
-from decimal import Decimal
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -19,19 +18,10 @@ from dampbalance.motion.orbit import steady_orbit
 from dampbalance.project.case import Case
 from dampbalance.replication import authors_route as authors
 from dampbalance.replication.claims.causes import Sources
-from dampbalance.replication.claims.judging import Claim
-from dampbalance.replication.claims.printed import Published, Row, from_print, read_published
+from dampbalance.replication.claims.printed import Published, from_print, read_published
 from dampbalance.replication.claims.table import claims_table
-from dampbalance.replication.claims.verdicts import ROUTE_NAMES
 from dampbalance.replication.comparison import approaches_table
-from dampbalance.replication.numbers import (
-    Key,
-    Numbers,
-    by_key,
-    numbers_table,
-    of_routes,
-    with_claims,
-)
+from dampbalance.replication.numbers import Numbers, by_key, numbers_table, of_routes, with_claims
 from dampbalance.studies import case_files, evaluate
 from dampbalance.studies.reading_study import read_study
 from dampbalance.studies.study_file import Study
@@ -48,18 +38,6 @@ class Route(NamedTuple):
 
     features: dict[str, pd.DataFrame]
     estimates: dict[str, pd.DataFrame]
-
-
-def claim(printed: str = "1.28", **parts) -> Claim:
-    """A claim on some number. parts : values by route (exact, as_published, from_print) and fields of Claim."""
-    values = {route: parts.pop(route) for route in ROUTE_NAMES if route in parts}
-    key = Key(quantity="F_k", unit="N")
-    return Claim(Row("id", "where", key, "words", printed, "computed", ""), values, **parts)
-
-
-def with_digits_of(text: str, value: float) -> Decimal:
-    """The value rounded to as many decimals as the text has."""
-    return Decimal(value).quantize(Decimal(text))
 
 
 def case_of(oscillator: Oscillator) -> Case:

@@ -10,33 +10,26 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cache
+from typing import NamedTuple
 
-_KEYED = re.compile(
-    r"(?:(?<=\bn\()|(?<=\bv\()|(?<=\bwords\()|(?<=\bjudged\()|(?<=\bimage\()|(?<=\binclude )|(?<=\bimport ))"
-    r"[^)\n]*?\"[^\"]*\""
-)
-_PATH = re.compile(r'results \+ "[^"]*"|studies \+ "[^"]*"|at\("[^"]*"\)')
 _MASKED = (
-    re.compile(r"(?<!:)//[^\n]*"),
-    _KEYED,
-    _PATH,
-    re.compile(r"<[a-z][a-z0-9-]*>|@[a-z][a-z0-9-]*"),
-    re.compile(r"\b(?:width|size): ?[\d.]+(?:%|pt|em|mm|cm)|\b[\d.]+(?:pt|em|mm|cm|fr)\b"),
-    re.compile(r"\$[^$]*\$"),
+    r"(?<!:)//[^\n]*",
+    r"(?:(?<=\b[nv]\()|(?<=\bwords\()|(?<=\bjudged\()|(?<=\bimage\()|(?<=\binclude )|(?<=\bimport ))"
+    r"[^)\n]*?\"[^\"]*\"",
+    r'results \+ "[^"]*"|studies \+ "[^"]*"|at\("[^"]*"\)',
+    r"<[a-z][a-z0-9-]*>|@[a-z][a-z0-9-]*",
+    r"\b(?:width|size): ?[\d.]+(?:%|pt|em|mm|cm)|\b[\d.]+(?:pt|em|mm|cm|fr)\b",
+    r"\$[^$]*\$",
 )
-_MATH = re.compile(r"\$[^$]*\$")
-_NUMBER = re.compile(r"(?<![\w.])[−-]?\d[\d.,\u2009]*\d|(?<![\w.])\d")
-_LONG = re.compile(r"(?<![\w.])\d+\.\d+|(?<![\w.])\d{2,}")
-_WORD = re.compile(
-    r"\b(?:three|four|five|six|seven|eight|nine|ten|eleven|twelve|dozen|twenty|thirty|forty|fifty|hundred|thousand|million)\b",
-    re.IGNORECASE,
+_NUMBER = r"(?<![\w.])[−-]?\d[\d.,\u2009]*\d|(?<![\w.])\d"
+_LONG = r"(?<![\w.])\d+\.\d+|(?<![\w.])\d{2,}"
+_WORD = (
+    r"(?i)\b(?:three|four|five|six|seven|eight|nine|ten|eleven|twelve|dozen|twenty|thirty|forty|"
+    r"fifty|hundred|thousand|million)\b"
 )
 
 
-@dataclass(frozen=True)
-class Typed:
+class Typed(NamedTuple):
     """A number in the sources: file, line (from 1), the number, and the line's text."""
 
     file: str
@@ -48,23 +41,18 @@ class Typed:
         return f"{self.file}:{self.line}: {self.number!r} in {self.text.strip()!r}"
 
 
-@cache
-def typed_numbers(file: str, source: str) -> tuple[Typed, ...]:
+def typed_numbers(file: str, source: str) -> list[Typed]:
     """All numbers typed in a typst source, spelled ones from three on as well, in the order of the text."""
     bare = source
     for pattern in _MASKED:
-        bare = pattern.sub(_blank, bare)
+        bare = re.sub(pattern, _blank, bare)
     spoken = re.sub(r'"[^"\n]*"', _blank, bare)  # words in alternative text read an equation aloud
-    found = [(match.start(), match[0]) for match in _NUMBER.finditer(bare)]
-    found += [(match.start(), match[0]) for match in _WORD.finditer(spoken)]
-    for formula in _MATH.finditer(source):
-        found += [(formula.start() + m.start(), m[0]) for m in _LONG.finditer(formula[0])]
-    lines = source.splitlines()
-    typed: list[Typed] = []
-    for start, number in sorted(found):
-        line = source.count("\n", 0, start)
-        typed.append(Typed(file, line + 1, number, lines[line]))
-    return tuple(typed)
+    found = [(m.start(), m[0]) for m in (*re.finditer(_NUMBER, bare), *re.finditer(_WORD, spoken))]
+    for formula in re.finditer(_MASKED[-1], source):
+        found += [(formula.start() + m.start(), m[0]) for m in re.finditer(_LONG, formula[0])]
+    lines = [(source.count("\n", 0, start), number) for start, number in sorted(found)]
+    texts = source.splitlines()
+    return [Typed(file, line + 1, number, texts[line]) for line, number in lines]
 
 
 def not_excused(
@@ -74,23 +62,14 @@ def not_excused(
 
     exceptions : each with `text`, in which the number stands and which stands in its line, and optionally `file`.
     """
-    used: list[Mapping[str, str]] = []
-    left = []
-    for number in typed:
-        excuse = next((e for e in exceptions if _covers(e, number)), None)
-        if excuse is None:
-            left.append(number)
-        elif excuse not in used:
-            used.append(excuse)
-    return left, [e for e in exceptions if e not in used]
+    excuses = [next((e for e in exceptions if _covers(e, number)), None) for number in typed]
+    left = [number for number, excuse in zip(typed, excuses, strict=True) if excuse is None]
+    return left, [e for e in exceptions if e not in excuses]
 
 
 def _covers(exception: Mapping[str, str], number: Typed) -> bool:
-    return (
-        exception.get("file", number.file) == number.file
-        and exception["text"] in number.text
-        and number.number in exception["text"]
-    )
+    in_file = exception.get("file", number.file) == number.file
+    return in_file and exception["text"] in number.text and number.number in exception["text"]
 
 
 def _blank(match: re.Match[str]) -> str:
