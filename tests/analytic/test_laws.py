@@ -9,9 +9,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from analytic.cases import PAPER_MOTIONS, dimensions, drawn, spread
-from dampbalance import Regime, steady_orbit, steady_orbits
-from paper_case import PAPER
+from analytic.cases import dimensions, drawn, spread
+from dampbalance import Regime, steady_orbits
 
 FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W", "X_1", "phi_1", "X_3", "X_5")
 
@@ -64,15 +63,6 @@ def test_viscous_integral_is_bounded_by_its_harmonics(population):
     np.testing.assert_allclose(o.b[sticks], three[sticks], rtol=1e-12)
 
 
-@pytest.mark.parametrize("motion", PAPER_MOTIONS[:5], ids=str)
-def test_three_harmonics_suffice_near_resonance(motion):
-    # at 4.92 Hz the harmonics from 7 on carry less than 5e-4 of b: the ground of the Fourier balance
-    orbit = steady_orbit(PAPER, motion)
-    X = {n: orbit.harmonic(n)[0] for n in (1, 3, 5)}
-    three = math.pi * motion.omega * sum((n * X_n) ** 2 for n, X_n in X.items())
-    assert 0.0 < orbit.b - three < 5e-4 * orbit.b
-
-
 def test_geometry_of_slip(population):
     arguments, o, _ = population
     slips = o.regime != Regime.NO_SLIP
@@ -98,7 +88,7 @@ def test_geometry_of_slip(population):
 exponents = st.integers(-20, 20)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(*drawn(*WIDE), exponents)
 @example(0.04417, 0.4204, 21.1, 0.4329, 3)
 def test_forces_scale(zeta, r, K, F, exponent):
@@ -113,10 +103,11 @@ def test_forces_scale(zeta, r, K, F, exponent):
         np.testing.assert_array_equal(factor * getattr(first, name), getattr(second, name), name)
 
 
-@settings(max_examples=60)
-@given(*drawn(*PROMISED, (1e-6, 1e6), (1e-6, 1e6)))
-@example(0.04417, 0.4204, 21.1, 0.4329, 1e-3, 1e3)
+@settings(max_examples=40)
+@given(*drawn(*PROMISED, (1e-26, 1e26), (1e-6, 1e6)))
+@example(0.04417, 0.4204, 21.1, 0.4329, 1e-27, 1e3)
 def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
+    # only ratios matter: no threshold in metres or newtons hides anywhere
     base = dimensions(zeta, r, K, F)
     scaled = base | {
         "Y": length,
