@@ -80,9 +80,9 @@ def in_simulator() -> None:
     and no case at all. To be called where Numba simulates CUDA, which it decides when it is imported."""
     from dampbalance.motion import device
 
-    assert_same_as_the_processor(60, fetch=False)
-    device._BLOCK = 60
-    assert_same_as_the_processor(40, fetch=True)
+    assert_same_as_the_processor(16, fetch=False)
+    device._BLOCK = 25
+    assert_same_as_the_processor(16, fetch=True)
     case = {name: values.flat[-1] for name, values in cases(1).items()}
     with patch.object(_Kernel, "__call__", in_python):
         assert steady_orbits(**case, device="cuda").X.shape == ()
@@ -100,5 +100,3 @@ def test_without_a_GPU_no_result_of_the_processor_passes_for_one(monkeypatch):
     case = {name: values.flat[-1] for name, values in cases(1).items()}
     with pytest.raises(RuntimeError, match=r"NVIDIA GPU.*install 'dampbalance\[cuda\]'"):
         steady_orbits(**case, device="cuda")
-    with pytest.raises(ValueError, match="cpu, cuda"):
-        steady_orbits(**case, device="gpu")
