@@ -47,8 +47,9 @@ def random_cases(n, seed=0):
 @example(0.4, 0.8, 10.0, 0.0)
 @example(0.3, 0.7, 5.0, 3.0)
 @example(0.0, 1.0, 10.0, 0.1)  # no orbit
-def test_one_case_bit_for_bit(*numbers):
-    many, one = steady_orbits(**dimensions(*numbers)), one_by_one(**dimensions(*numbers))
+def test_one_case_bit_for_bit(zeta, r, K, F):
+    numbers = dimensions(zeta, r, K, F)
+    many, one = steady_orbits(**numbers), one_by_one(**numbers)
     for name in NAMES:
         bits = [np.float64(value).tobytes() for value in (getattr(many, name)[()], one[name])]
         assert bits[0] == bits[1], name
