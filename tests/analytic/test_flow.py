@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-from dampbalance.model import Parameters
-from dampbalance.motion.flow import Phase, move, phase_start, step_response, unit
+from dampbalance.motion.flow import Phase, move, step_response
 
 EPS = np.finfo(float).eps
 
@@ -98,29 +96,3 @@ def test_everything_vanishes_at_the_start():
         assert step_response(0.0, ratio, 1.0) == (0.0, 0.0, 1.0)
         assert harmonic_response(0.0, drive, ratio, 1.0) == (0j, 0j)
         assert move(0.0, Phase(0.3, 2.0, 1.5 + 0.5j, ratio, 1.0, drive)) == (0.0, 0.3)
-
-
-@pytest.mark.parametrize("s", [1.0, -1.0, 0.0])
-@pytest.mark.parametrize("ratio", [0.0, 1.0, 3.0])
-def test_motion_of_a_phase_solves_the_equation_of_motion(s, ratio):
-    # m ẍ + c ẋ + k x + contact = kY cos(θ + ωt), solved term by term with mpmath's own Taylor integrator
-    k, m, K_z, F_k, Y, omega = 7.0, 0.8, 30.0, 1.1, 0.4, 2.3
-    kappa = k if s else k + K_z
-    c = 2.0 * m * ratio * math.sqrt(kappa / m)
-    par = Parameters(m, c, k, K_z, F_k, Y, omega)
-    x0, v0, z0, theta = -0.31, 0.17, 0.02, 0.7
-    phase = phase_start(s, x0, v0, z0, unit(theta), par)
-
-    def rate(t, q):
-        contact = s * mp.mpf(F_k) if s else K_z * (z0 + q[0])
-        push = k * Y * mp.cos(theta + omega * t) - c * q[1] - k * (x0 + q[0]) - contact
-        return [q[1], push / mp.mpf(m)]
-
-    with mp.workdps(22):
-        solution = mp.odefun(rate, 0, [mp.mpf(0), mp.mpf(v0)])
-        for t in (1e-3, 0.2, 0.6):
-            u, v = move(t, phase)
-            exact_u, exact_v = solution(t)
-            # the sum of four terms of which none is more than some ten times the result
-            assert abs(u - exact_u) <= 1e-14 * max(abs(exact_u), v0 * t)
-            assert abs(v - exact_v) <= 1e-14 * max(abs(exact_v), v0)

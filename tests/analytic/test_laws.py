@@ -7,7 +7,6 @@ import math
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
 from analytic.cases import dimensions, drawn, spread
 from dampbalance import Regime, steady_orbits
@@ -85,29 +84,12 @@ def test_geometry_of_slip(population):
 
 # --- similarity ----------------------------------------------------------------------------------
 
-exponents = st.integers(-20, 20)
-
-
-@settings(max_examples=40)
-@given(*drawn(*WIDE), exponents)
-@example(0.04417, 0.4204, 21.1, 0.4329, 3)
-def test_forces_scale(zeta, r, K, F, exponent):
-    # m, c, k, K_z, F_k times s: the same motion, s times the work. A power of 2 leaves no rounding: bit for bit.
-    s = 2.0**exponent
-    base = dimensions(zeta, r, K, F)
-    scaled = base | {name: s * base[name] for name in ("m", "c", "k", "K_z", "F_k")}
-    first, second = steady_orbits(**base), steady_orbits(**scaled)
-    assert first.regime == second.regime
-    for name in FEATURES:
-        factor = s if name == "W" else 1.0
-        np.testing.assert_array_equal(factor * getattr(first, name), getattr(second, name), name)
-
 
 @settings(max_examples=40)
 @given(*drawn(*PROMISED, (1e-26, 1e26), (1e-6, 1e6)))
 @example(0.04417, 0.4204, 21.1, 0.4329, 1e-27, 1e3)
-def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
-    # only ratios matter: no threshold in metres or newtons hides anywhere
+def test_forces_lengths_and_times_scale(zeta, r, K, F, length, rate):
+    # only ratios matter: no threshold in metres or newtons hides anywhere; all forces times s leave the motion
     base = dimensions(zeta, r, K, F)
     scaled = base | {
         "Y": length,
@@ -116,8 +98,12 @@ def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
         "c": base["c"] / rate,
         "m": base["m"] / rate**2,
     }
-    first, second = steady_orbits(**base), steady_orbits(**scaled)
-    assert first.regime == second.regime
+    forced = base | {name: 2.0**7 * base[name] for name in ("m", "c", "k", "K_z", "F_k")}
+    first, second, third = (steady_orbits(**of) for of in (base, scaled, forced))
+    assert first.regime == second.regime == third.regime
+    for name in FEATURES:  # a power of 2 leaves no rounding: bit for bit
+        factor = 2.0**7 if name == "W" else 1.0
+        np.testing.assert_array_equal(factor * getattr(first, name), getattr(third, name), name)
     speed = length * rate
     factors = {"X": length, "X_s": length, "V_s": speed, "t_s": 1.0 / rate, "phi": 1.0}
     factors |= {"a": length, "b": length * speed, "W": length**2}

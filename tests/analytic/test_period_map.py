@@ -8,7 +8,7 @@ import pytest
 from analytic.cases import SEVERAL_SLIPS, case
 from dampbalance import State, steady_orbit, transient
 from dampbalance.model import parameters
-from dampbalance.motion.period_map import half_period_map, solve_period_map
+from dampbalance.motion.period_map import half_period_map
 from dampbalance.motion.steady import MAX_PHASES
 
 CASES = [(0.6, 1.0, 90.0, 0.14), (0.1, 0.8, 2.0, 0.6), (2.0, 0.7, 30.0, 0.1)]
@@ -68,22 +68,3 @@ def test_the_map_is_half_a_period_of_motion_and_its_derivative_a_difference(numb
             np.testing.assert_allclose(expected, found, rtol=1e-5, atol=1e-5)
             checked += np.abs(jacobian[2, j]) > 0.0
     assert checked > 0  # the last state, at least, ends amid a stick, where z moves with x
-
-
-@pytest.mark.parametrize("numbers", CASES, ids=str)
-def test_newton_takes_a_nearby_state_to_the_orbit(numbers):
-    """From 1e-4 off, wherever on the orbit: its own state is found to rounding, mirrored half a period later."""
-    oscillator, motion = case(*numbers)
-    orbit = steady_orbit(oscillator, motion)
-    par = parameters(oscillator, motion)
-    for part in (0.03, 0.31, 0.77):
-        t = orbit.t_1 + part * motion.period
-        state = orbit.state(t)
-        exact = np.array([float(state.x), float(state.v), float(state.z)])
-        off = np.array([1.0001, 0.9999, 0.9999]) * exact
-        theta = motion.omega * t
-        found, *reached = solve_period_map(*off, theta, par, PHASES)
-        assert found
-        scale = np.array([orbit.X, motion.omega * orbit.X, oscillator.Z_m])
-        # 1e-9: rounding of ωt, which the rates of the stiffest contact magnify
-        np.testing.assert_allclose(reached / scale, exact / scale, atol=1e-9)

@@ -133,17 +133,6 @@ def test_what_is_put_in_is_lost(name):
         assert np.count_nonzero(orbit.phases[:, PHASE_V] == 0.0) > 1
 
 
-def test_many_elements_are_close_to_their_limit():
-    """Elements evenly spaced in ln r: twice as many change the amplitude by the square of the spacing."""
-    (motion,) = motions_at(levels=LEVELS[:1])
-    X = []
-    for n in (10, 20, 40):
-        r = 1e-4 * 30.0 ** ((np.arange(n) + 0.5) / n)
-        X.append(sliders_orbit(BARE, motion, r, np.full(n, 6000.0 / n)).X)
-    first, second = np.diff(X)
-    assert first / second == pytest.approx(4.0, rel=0.1)
-
-
 def test_there_is_no_orbit_where_nothing_is_lost():
     osc = Oscillator(m=1.0, c=0.0, k=1000.0, K_z=1.0, F_k=0.0)
     with pytest.raises(NoSteadyOrbit, match="3 sliders"):

@@ -68,24 +68,3 @@ def test_every_start_leads_to_the_steady_orbit(chosen, start):
     for name, size in (("x", orbit.X), ("v", motion.omega * orbit.X), ("z", orbit.X)):
         off = getattr(reached, name) - getattr(expected, name)
         assert np.abs(off).max() < 1e-10 * size
-
-
-def test_without_slip_a_residual_force_of_the_spring_stays():
-    # a contact too strong to slip: a start off centre stays off centre
-    oscillator, motion = case(0.5, 0.7, 3.0, 10.0)
-    orbit = steady_orbit(oscillator, motion)
-    assert orbit.regime is Regime.NO_SLIP
-    end = 40.0 * motion.period  # e^{−ζω_n t}, ζω_n t = 0.5 · 2π · 40/0.7: the start is forgotten
-    offset = 0.2 * oscillator.Z_m  # of the contact point
-    paths = [transient(oscillator, motion, end, x=0.0, v=0.0, z=z) for z in (0.0, offset)]
-    t = end - motion.period * np.linspace(0.0, 1.0, 50)
-    centred, other = (path.state(t) for path in paths)
-    dx, dz = other.x - centred.x, other.z - centred.z
-    # k Δx + K_z Δz = 0 and Δz − Δx = offset: the mass rests where both springs pull alike
-    shift = -oscillator.K_z * offset / (oscillator.k + oscillator.K_z)
-    np.testing.assert_allclose(dx, shift, rtol=1e-9)
-    np.testing.assert_allclose(dz, shift + offset, rtol=1e-9)
-    np.testing.assert_allclose(
-        other.v, centred.v, rtol=0, atol=1e-12 * motion.omega * np.abs(centred.x).max()
-    )
-    np.testing.assert_allclose(centred.x, orbit.state(t).x, rtol=0, atol=1e-11 * orbit.X)

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, Regime, steady_orbit
 from dampbalance.motion.orbit import NoSteadyOrbit
 
@@ -17,17 +16,6 @@ PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 MOTION = BaseMotion(0.006, 2.0 * math.pi * 4.92)
 # far below resonance and lightly damped: several slips per half cycle
 SEVERAL = Oscillator(m=2.42, c=4.0, k=2310.0, K_z=60000.0, F_k=2.0), BaseMotion(0.004, 7.0)
-
-
-@pytest.mark.parametrize(("osc", "motion"), [(PAPER, MOTION), SEVERAL], ids=["one slip", "several"])
-def test_they_are_those_of_a_motion_by_another_integrator(osc, motion):
-    """DOP853 with located events, from a room that uses no kernel of this one."""
-    orbit = steady_orbit(osc, motion)
-    assert (orbit.regime is Regime.SEVERAL_SLIPS) == (osc is SEVERAL[0])
-    x = law_orbit(osc, motion, {}).state(np.arange(4096) * (motion.period / 4096)).x
-    expected = 2.0 * np.fft.rfft(x)[1 : 2 * COUNT : 2] / x.size
-    # closed to 1e-12; kinks of the third derivative leave a fraction of n⁻⁴ beyond 2048 harmonics
-    assert np.abs(orbit.harmonics(COUNT) - expected).max() < 1e-10 * orbit.X
 
 
 def test_they_add_up_to_the_motion_itself():
