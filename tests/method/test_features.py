@@ -24,7 +24,7 @@ from dampbalance.replication.clean import of_record
 from dampbalance.replication.read_out import ReadOut
 from dampbalance.replication.record import SimulatedRecord
 from dampbalance.replication.sampled import _first_reversal, integral
-from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAPER
+from paper_case import FREQUENCIES_HZ, OMEGA, PAPER
 
 
 def orbit(Y=0.008, osc=PAPER, omega=OMEGA):
@@ -47,34 +47,6 @@ def worst(read, exact, *names):
 
 
 # ---- the table of features ------------------------------------------------------------------------------------------
-
-
-def test_features_of_an_orbit_are_those_of_the_orbit_and_frames_keep_every_bit():
-    features = stack([of_orbit(orbit(Y)) for Y in (1e-5, *LEVELS)])
-    for i, Y in enumerate((1e-5, *LEVELS)):
-        exact = orbit(Y)
-        assert (features.omega[i], features.Y[i], features.X_r[i]) == (
-            pytest.approx((OMEGA, Y, -exact.X_s), rel=0, abs=0, nan_ok=True)
-        )
-        for name in ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W"):
-            np.testing.assert_array_equal(getattr(features, name)[i], getattr(exact, name), name)
-        assert features.regime[i] == str(exact.regime)
-    for name in ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r"):  # nothing slips at the lowest level
-        assert np.isnan(getattr(features, name)).tolist() == [True] + [False] * len(LEVELS), name
-    frame = features.to_frame()
-    units = {"Y_m", "X_s_m", "V_s_m_per_s", "t_s_s", "phi_rad", "b_m2_per_s", "W_J"}
-    assert units <= set(frame.columns)
-    again = Features.from_frame(frame)
-    assert again.regime.tolist() == features.regime.tolist()
-    for name in ("omega", *FEATURE_COLUMNS):
-        np.testing.assert_array_equal(getattr(again, name), getattr(features, name), name)
-
-
-def test_phases_are_chosen_by_name():
-    features = of_orbit(orbit())
-    assert features.phi[0] == features.phi_reversal[0]
-    assert features.with_phase("zero_crossing").phi[0] == features.phi_zero_crossing[0]
-    assert features.with_phase("fundamental").phi[0] == features.phi_fundamental[0]
 
 
 def test_what_does_not_fit_together_is_refused():
@@ -118,25 +90,32 @@ def by_case():
     """Three levels of four oscillators, (3, 4): the lowest level does not slip in the first two of them."""
     Y = np.array([[5e-4], [0.004], [0.012]]) * np.ones(4)
     F_k, omega = np.array([3.0, 2.0, 0.5, 1.28]), np.array([OMEGA, 20.0, 25.0, 40.0])
-    orbits = steady_orbits(
-        m=PAPER.m, c=PAPER.c, k=PAPER.k, K_z=PAPER.K_z, F_k=F_k, Y=Y, omega=omega
-    )
+    orbits = steady_orbits(PAPER, F_k=F_k, Y=Y, omega=omega)
     return of_orbits(orbits, Y, omega), F_k
 
 
-def test_features_of_many_orbits_are_those_of_each(by_case):
+def test_features_of_orbits_are_theirs_and_frames_keep_every_bit(by_case):
     features, F_k = by_case
-    assert len(features) == 3
     for level, case in np.ndindex(3, 4):
         osc, omega = replace(PAPER, F_k=float(F_k[case])), float(features.omega[level, case])
-        alone = of_orbit(orbit(features.Y[level, case], osc, omega))
+        exact = orbit(features.Y[level, case], osc, omega)
+        alone = of_orbit(exact)
+        for name in ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W"):
+            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(exact, name), name)
+        assert alone.X_r[0] == pytest.approx(-exact.X_s, rel=0, abs=0, nan_ok=True)
         for name in ("omega", *FEATURE_COLUMNS):
             found, expected = getattr(features, name)[level, case], getattr(alone, name)[0]
             assert found == pytest.approx(expected, rel=1e-15, nan_ok=True), name
-        assert features.regime[level, case] == alone.regime[0]
-        assert np.isfinite(features.X_s[level, case]) == np.isfinite(alone.X_s[0])
+        assert features.regime[level, case] == alone.regime[0] == str(exact.regime)
     lowest = [False, False, True, False]
-    assert np.isfinite(features.X_s).tolist() == [lowest, [True] * 4, [True] * 4]
+    for name in ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r"):
+        assert np.isfinite(getattr(features, name)).tolist() == [lowest, [True] * 4, [True] * 4]
+    one = features[:, 0]
+    frame = one.to_frame()
+    assert {"Y_m", "V_s_m_per_s", "t_s_s", "phi_rad", "b_m2_per_s", "W_J"} <= set(frame.columns)
+    again = Features.from_frame(frame)
+    for name in ("omega", *FEATURE_COLUMNS, "regime"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(one, name), name)
 
 
 def test_what_has_fewer_axes_is_broadcast():
@@ -176,7 +155,10 @@ def test_common_values_are_means_over_the_levels_that_have_them_case_by_case(by_
         assert common.phi[:, case] == pytest.approx(features.phi[:, case].mean(), rel=1e-15)
         mean = np.where(has, features.t_s[has, case].mean(), np.nan)
         assert common.t_s[:, case] == pytest.approx(mean, rel=1e-15, nan_ok=True)
-    np.testing.assert_array_equal(common.phi_reversal, features.phi_reversal)
+    np.testing.assert_array_equal(common.phi_reversal, features.phi)
+    for kind in ("reversal", "zero_crossing", "fundamental"):  # phases are chosen by name
+        of_kind = getattr(features, f"phi_{kind}")
+        np.testing.assert_array_equal(features.with_phase(kind).phi, of_kind)
     nowhere = features.replaced(t_s=np.where(np.arange(4) == 2, np.nan, features.t_s))
     assert np.isnan(nowhere.with_common("t_s").t_s[:, 2]).all()
 
@@ -325,13 +307,10 @@ def test_integral_is_exact_for_cubics(start, stop):
     assert doubled == pytest.approx(integral(f, 1.0, start, stop), rel=1e-12)
 
 
-@pytest.mark.parametrize("stop", [3, 4, 5, 6])
-def test_integral_of_a_straight_line_over_few_whole_intervals(stop):
-    found = integral(1.0 + 2.0 * np.arange(10.0), 0.5, 2, stop)
-    assert found == pytest.approx(0.5 * (stop - 2 + stop**2 - 4), rel=1e-14)
-
-
-def test_integral_stays_inside_the_samples():
+def test_integral_of_few_intervals_and_beyond_the_samples():
+    for stop in (3, 4, 5, 6):
+        found = integral(1.0 + 2.0 * np.arange(10.0), 0.5, 2, stop)
+        assert found == pytest.approx(0.5 * (stop - 2 + stop**2 - 4), rel=1e-14)
     with pytest.raises(ValueError, match="leaves the samples"):
         integral(np.ones(10), 1.0, 2.0, 9.5)
 

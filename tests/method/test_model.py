@@ -40,9 +40,7 @@ def test_base_motion():
     np.testing.assert_allclose(motion.y(t), [[0.5, 0.0], [-0.5, 0.5]], rtol=0, atol=1e-15)
 
 
-@pytest.mark.parametrize(
-    "number", [2, np.float32(2.0), np.float64(2.0), np.int64(2), np.uint8(2)], ids=lambda n: repr(n)
-)
+@pytest.mark.parametrize("number", [2, np.float32(2.0), np.uint8(2)], ids=repr)
 def test_any_real_number_becomes_a_float(number):
     oscillator = Oscillator(**PAPER | {"m": number})
     assert type(oscillator.m) is float
