@@ -54,31 +54,6 @@ def test_steady_orbit_is_periodic_and_has_its_integrals(numbers):
         assert np.all(off <= TOLERANCE * np.array([motion.period, 0.0, scale, speed]))
 
 
-@pytest.mark.parametrize(
-    ("numbers", "periods"),
-    [
-        ((0.6, 1.0, 90.0, 0.14), 12),
-        ((0.288, 0.4085, 131.7, 0.4648), 8),  # several slips
-        ((0.5, 1.2, 0.5, 0.1), 14),
-    ],
-    ids=str,
-)
-def test_a_run_from_rest_ends_on_the_steady_orbit(numbers, periods):
-    # Nothing of the claimed orbit enters the run. The periods are enough for the transient to die below 1e-12.
-    oscillator, motion = case(*numbers)
-    orbit = steady_orbit(oscillator, motion)
-    start = integrate(oscillator, motion, periods * motion.period)
-    run = integrate(oscillator, motion, motion.period, start.x, start.v, start.z)
-    assert run.peak <= orbit.X * (1.0 + 1e-9)
-    assert run.a == pytest.approx(orbit.a, rel=1e-9)  # a few thousand steps from rest
-    assert run.b == pytest.approx(orbit.b, rel=1e-9)
-    assert pytest.approx(orbit.W, rel=1e-9) == run.W
-    state = orbit.state(0.0)
-    assert run.x == pytest.approx(float(state.x), rel=0, abs=1e-9 * orbit.X)
-    assert run.v == pytest.approx(float(state.v), rel=0, abs=1e-9 * motion.omega * orbit.X)
-    assert run.z == pytest.approx(float(state.z), rel=0, abs=1e-9 * orbit.X)
-
-
 def assert_same_path(path, run, size, late=TOLERANCE):
     """A transient and a run pass the same events, in the same states."""
     motion = path.motion

@@ -62,26 +62,6 @@ def test_viscous_integral_is_bounded_by_its_harmonics(population):
     np.testing.assert_allclose(o.b[sticks], three[sticks], rtol=1e-12)
 
 
-def test_geometry_of_slip(population):
-    arguments, o, _ = population
-    slips = o.regime != Regime.NO_SLIP
-    Z_m = arguments["F_k"] / arguments["K_z"]
-    X, X_s, t_s, V_s = o.X[slips], o.X_s[slips], o.t_s[slips], o.V_s[slips]
-    # from the reversal at −X the spring swings from −Z_m to +Z_m before the first forward onset: X_s = −X + 2Z_m
-    one = (o.regime == Regime.ONE_SLIP)[slips]
-    np.testing.assert_allclose(X_s[one], (-X + 2.0 * Z_m[slips])[one], rtol=1e-13, atol=0)
-    assert np.all(X_s > -X)
-    assert np.all(X_s < X)
-    assert np.all(t_s > 0.0)
-    assert np.all(t_s < math.pi / np.broadcast_to(arguments["omega"], o.X.shape)[slips])
-    assert np.all(V_s > 0.0)
-    # a one-slip orbit slides from X_s to X twice a cycle
-    np.testing.assert_allclose(o.a[slips][one], (2.0 * (X - X_s))[one], rtol=1e-14)
-    assert np.all(o.a[slips] > 0.0)
-    # the fundamental of a motion within ±X is at most 4X/π
-    assert np.all(4.0 / math.pi * o.X >= o.X_1)
-
-
 # --- similarity ----------------------------------------------------------------------------------
 
 

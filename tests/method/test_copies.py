@@ -18,13 +18,9 @@ from dampbalance import (
     read_records,
     steady_orbit,
     steady_orbits,
-    transient,
 )
-from dampbalance.balance import APPROACHES
 from dampbalance.features import of_orbit
-from dampbalance.law.law import law_of
 from dampbalance.motion.law_response import law_response
-from dampbalance.solver import solve
 from paper_case import PAPER
 
 MOTION = BaseMotion(Y=0.004, omega=2.0 * math.pi * 3.5)
@@ -54,11 +50,8 @@ def features():
 THINGS = {
     "orbit": (lambda: steady_orbit(PAPER, MOTION), lambda o: (o.to_dict(), o.W, o.state(0.1))),
     "orbits": (lambda: steady_orbits(PAPER, Y=[0.004, 0.008], omega=22.0), lambda o: o.X.tolist()),
-    "transient": (lambda: transient(PAPER, None, 0.1, x=0.01), lambda path: path.state(0.05)),
     "orbit of a law": (of_law, lambda o: (o.state(0.2), o.X)),
     "features": (features, lambda f: (f.to_frame().to_csv(), dict(f.integrals))),
-    "estimate": (lambda: solve(APPROACHES["direct"](features(), PAPER.k)), lambda one: one.values),
-    "law": (lambda: law_of("F_k,c", {"c": 2.0}, {"F_k": "A,A,B"}), repr),
     "measurement": (lambda: made(0.004), lambda m: {q: m[q].values.tobytes() for q in m}),
     "record": (lambda: read_records(made(0.004))[0], lambda r: (repr(r), r.to_frame().to_csv())),
     "forced": (

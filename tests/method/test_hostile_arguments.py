@@ -30,7 +30,6 @@ from dampbalance import (
     sliders_orbit,
     steady_orbit,
     steady_orbits,
-    study,
     transient,
 )
 from dampbalance.features import of_orbit
@@ -136,12 +135,6 @@ CALLS: list[tuple[Callable[..., object], dict[str, object], Callable[..., object
     ),
     (read_records, {"records": {"time_s": T, "displacement_m": np.sin(T)}, "mapping": None}, repr),
     (signals, {"displacement_m": np.sin(T), "time_s": T}, repr),
-    (
-        study,
-        {"axes": {"zeta": [0.1]}, "base": {}, "levels_m": [0.004, 0.008], "estimation": {}}
-        | {"read_out": {}, "route": "exact", "columns": "errors", "threads": 1},
-        repr,
-    ),
     (
         identify,
         {"records": STEADY, "stiffness": 2310.0, "mapping": None, "kind": "forced", "mass": 2.42}

@@ -139,22 +139,6 @@ def no_home():
     raise RuntimeError("Could not determine home directory.")
 
 
-def test_the_first_process_says_that_it_compiles(chosen_folder, monkeypatch, capsys):
-    def said(find, stream="err"):
-        monkeypatch.setattr(dampbalance.jit, "_cache_folder", find)
-        dampbalance.jit._folder.__wrapped__()
-        return getattr(capsys.readouterr(), stream)
-
-    monkeypatch.delitem(sys.modules, "ipykernel", raising=False)  # another test may have loaded it
-    assert "(once, and keeping them)" in said(chosen_folder)
-    (chosen_folder() / "kernel").touch()
-    assert said(chosen_folder) == ""
-    assert "again in every process" in said(lambda: None)
-    # a notebook shows stderr in red
-    monkeypatch.setitem(sys.modules, "ipykernel", sys)
-    assert "again in every process" in said(lambda: None, "out")
-
-
 def test_threads_share_one_dispatcher(monkeypatch):
     made = []
 

@@ -432,29 +432,6 @@ def test_the_weights_are_those_of_the_solution_that_they_give(seed):
     assert rows.weighted(found.values).covariance is None
 
 
-def test_errors_of_W_alone_make_it_the_generalised_least_squares():
-    rows = uncertain(seed=3)
-    covariance = np.zeros((3, 3, 5))
-    covariance[2, 2] = [1e-8, 4e-8, 1e-6, 9e-8, 1e-4]
-    found = solve(replace(rows, covariance=covariance))
-    A, V = matrix(rows), np.diag(covariance[2, 2])
-    expected = np.linalg.solve(A.T @ np.linalg.solve(V, A), A.T @ np.linalg.solve(V, rows.W))
-    assert [float(found["F_k"]), float(found["c"])] == pytest.approx(expected, rel=1e-9)
-
-
-def test_correlated_errors_of_a_row_count_together():
-    # errors that leave a F_k + b c − W as it is cost nothing: the row is exact, and the fit goes through it
-    rows = uncertain(seed=1, size=1e-6)
-    form = np.array([1.28, 90.0, -1.0])
-    along = np.array([1.0, 0.0, 1.28])  # a moves W by what it adds
-    assert along @ form == 0.0
-    covariance = rows.covariance.copy()
-    covariance[:, :, 0] = 1e-4 * np.outer(along, along) + 1e-12 * np.eye(3)
-    other = replace(rows, covariance=covariance)
-    weights = other.weighted({"F_k": 1.28, "c": 90.0}).weights
-    assert weights[0] == pytest.approx(1.0 / (1e-12 * (form @ form)), rel=1e-9)
-
-
 def test_weighted_estimates_scatter_least_and_as_weighted_least_squares_says():
     rng = np.random.default_rng(8)
     X = np.linspace(0.004, 0.012, 5)[:, None] * np.ones(4000)

@@ -81,21 +81,6 @@ def test_velocity_and_acceleration_are_the_derivatives(orbit):
         assert (v[2] - v[0]) / (2.0 * h) == pytest.approx(acceleration[1], rel=0, abs=slack)
 
 
-def test_states_are_continuous_at_events(orbit):
-    # x, ẋ, z pass every event without a jump, and so does ẍ: the contact force is continuous
-    period, t_1 = orbit.motion.period, orbit.t_1
-    events = np.concatenate([orbit.phases[:, PHASE_T], orbit.phases[:, PHASE_T] + 0.5 * period])
-    h = 1e-9 * np.diff([*orbit.phases[:, PHASE_T], 0.5 * period]).min()
-    before, after = orbit.state(t_1 + events - h), orbit.state(t_1 + events + h)
-    if orbit.regime is Regime.NO_FRICTION:  # the force of a slider without friction is nought
-        before, after = before._replace(z=0.0), after._replace(z=0.0)
-    for name in ("x", "v", "acceleration", "z"):
-        low, high = np.asarray(getattr(before, name)), np.asarray(getattr(after, name))
-        # 2h of motion at rates up to 1/(shortest phase), and the rounding of t at high stick frequencies
-        scale = np.abs(getattr(orbit.state(np.linspace(0, period, 99)), name)).max()
-        np.testing.assert_allclose(low, high, rtol=0, atol=1e-7 * scale, err_msg=name)
-
-
 def test_harmonics_by_the_discrete_fourier_transform(orbit):
     n = 4096
     x = orbit.state(np.arange(n) / n * orbit.motion.period).x
