@@ -23,7 +23,7 @@ WIDE = ((1e-4, 10.0), (0.05, 10.0), (0.01, 1e5), (1e-4, 10.0))
 @pytest.fixture(scope="module", params=["promised", "wide", "undamped"])
 def population(request):
     """(arguments, orbits, range) of thousands of cases."""
-    zeta, *others = spread(2048, 1, *(PROMISED if request.param == "promised" else WIDE))
+    zeta, *others = spread(1024, 1, *(PROMISED if request.param == "promised" else WIDE))
     arguments = dimensions(zeta * (request.param != "undamped"), *others)
     orbits = steady_orbits(**arguments)
     counts = np.bincount(orbits.regime, minlength=5)

@@ -16,15 +16,15 @@ def test_the_law_of_the_paper_is_the_one_that_is_meant_by_none():
     assert law.keys == law.unknowns == ("F_k", "c")
     assert law.nonlinear == ()
     assert law_of(None, None, None) == law
+    law = law_of(None, {"c_r": 0.669}, None)
+    assert law.terms == ("F_k", "c", "c_r")
+    assert law.unknowns == ("F_k", "c")  # what is given is none
 
 
-def test_terms_come_in_the_order_of_the_registry_and_what_is_given_is_no_unknown():
+def test_terms_come_in_the_order_of_the_registry_each_once():
     assert Law(("c_2", "F_k", "c", "c_2")).terms == ("F_k", "c", "c_2")
     assert in_order(reversed(KNOWN_TERMS)) == tuple(KNOWN_TERMS)
     assert Law(("F_k", "c_3", "eta", "c_2")).nonlinear == ("c_2", "c_3")
-    law = law_of(None, {"c_r": 0.669}, None)
-    assert law.terms == ("F_k", "c", "c_r")
-    assert law.unknowns == ("F_k", "c")
 
 
 def test_a_group_has_a_coefficient_of_its_own():

@@ -6,8 +6,6 @@ import json
 import re
 import shutil
 import sys
-import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -137,18 +135,3 @@ def test_a_package_that_cannot_be_written_to_uses_the_users_cache_and_else_none(
 
 def no_home():
     raise RuntimeError("Could not determine home directory.")
-
-
-def test_threads_share_one_dispatcher(monkeypatch):
-    made = []
-
-    def slowly(function):
-        time.sleep(0.05)
-        made.append(function)
-        return function
-
-    monkeypatch.setattr(dampbalance.jit, "_compiled", slowly)
-    kernel = dampbalance.jit.jit(lambda x: x + 1.0)
-    with ThreadPoolExecutor(4) as pool:
-        assert list(pool.map(kernel, [1.0, 2.0, 3.0, 4.0])) == [2.0, 3.0, 4.0, 5.0]
-    assert len(made) == 1

@@ -5,13 +5,14 @@ from __future__ import annotations
 import itertools
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from matplotlib import pyplot
 
 from analytic.cases import SEVERAL_SLIPS, case
-from dampbalance import BaseMotion, Orbit, Regime, steady_orbit
+from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, steady_orbit
 from dampbalance.motion.events import PHASE_T
 from paper_case import PAPER
 
@@ -98,6 +99,21 @@ def test_harmonics_by_the_discrete_fourier_transform(orbit):
     series = orbit.harmonics(40)
     assert np.abs(series - spectrum[1:80:2]).max() <= 1e-11 * orbit.X
     assert orbit.harmonics(3) == pytest.approx(series[:3], rel=1e-12)
+    # the energy of all harmonics is that of the velocity; the squares of n x_n beyond n leave n⁻³ or so
+    squares, omega = np.abs(orbit.harmonics(400)) ** 2, orbit.motion.omega
+    assert math.pi * omega * squares @ np.arange(1, 800, 2) ** 2 == pytest.approx(orbit.b, rel=1e-7)
+    if orbit.regime is Regime.NO_SLIP:
+        assert not series[1:].any()
+
+
+def test_an_orbit_that_takes_long_is_given_up_on_request():
+    # far below resonance and lightly damped: several slips per half cycle, which alone has 9,000 rad
+    stiff = Oscillator(m=2.42, c=4.0, k=2310.0, K_z=1e9, F_k=2.0), BaseMotion(0.004, 7.0)
+    with pytest.raises(NoSteadyOrbit):
+        steady_orbit(*stiff, most_radians=1e4)
+    # the closed form follows nothing
+    one = replace(PAPER, K_z=1e9), BaseMotion(0.006, 31.0)
+    assert steady_orbit(*one, most_radians=1e4).regime is Regime.ONE_SLIP
 
 
 def test_round_trip_bit_for_bit(orbit):
