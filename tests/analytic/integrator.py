@@ -43,23 +43,24 @@ class Phase(NamedTuple):
 
 def acceleration(oscillator, motion, law, x, v, z, angle):
     """ẍ where the base has the phase `angle`; y = Y cos angle."""
-    o, omega, cosine, sine = oscillator, motion.omega, np.cos(angle), np.sin(angle)
-    force = o.k * (motion.Y * cosine - x) - o.c * v - o.K_z * z
+    o, omega, of = oscillator, motion.omega, math if isinstance(angle, float) else np
+    force = o.k * (motion.Y * of.cos(angle) - x) - o.c * v - o.K_z * z
     for symbol, p in law.items():
-        force = force - p * term(symbol).force(v, -omega * motion.Y * sine, o.k, omega)
+        w = -omega * motion.Y * of.sin(angle)
+        force = force - p * term(symbol).force(v, w, o.k, omega)
     return force / o.m
 
 
-def _phase(o, motion, t, end, x, v, z, theta, law, step):
+def _phase(o, motion, t, end, x, v, z, theta, law, step, dense):
     """The phase that starts at time t: a turn of the motion ends it, an onset of slip, or the end of all."""
 
     def rate(t, q, s):
-        u, v = q[:2]
+        u, v, *_ = q.tolist()
         angle = theta + motion.omega * t
         moved = acceleration(o, motion, law, x + u, v, z + u * (s == 0.0), angle)
         return [v, moved, s * v, v * v, o.k * motion.Y * math.cos(angle) * v]
 
-    d = math.copysign(1.0, v or rate(t, (0.0, 0.0), 0.0)[1])
+    d = math.copysign(1.0, v or rate(t, np.zeros(2), 0.0)[1])
     s = d if d * z >= o.Z_m else 0.0
     z = s * o.Z_m if s else z
 
@@ -82,7 +83,7 @@ def _phase(o, motion, t, end, x, v, z, theta, law, step):
         atol=1e-15 * np.array([scale, scale * fastest, scale, scale**2, scale**2 * o.k]),
         max_step=step / fastest,
         events=(turn, onset),
-        dense_output=True,
+        dense_output=dense,
         args=(s,),
     )
     assert found.success, found.message
@@ -92,15 +93,17 @@ def _phase(o, motion, t, end, x, v, z, theta, law, step):
     return Phase(t, s, x, v, z, (x + u, 0.0 if turned else last, reached), found)
 
 
-def phases(oscillator, motion, end, x=0.0, v=0.0, z=0.0, theta=0.0, law=None, step=_STEP):
+def phases(
+    oscillator, motion, end, x=0.0, v=0.0, z=0.0, theta=0.0, law=None, step=_STEP, dense=False
+):
     """The phases of the motion from (x, ẋ, z) over [0, end] with y = Y cos(θ + ωt); a turn in stick begins one, too.
 
     law : symbol → coefficient of terms besides friction and c.   step : longest step, rad of the fastest oscillation;
-    an excursion shorter than a step may be missed.
+    an excursion shorter than a step may be missed.   dense : whether states between the steps are wanted.
     """
     t = 0.0
     while end - t > 1e-12 * end:
-        phase = _phase(oscillator, motion, t, end, x, v, z, theta, law or {}, step)
+        phase = _phase(oscillator, motion, t, end, x, v, z, theta, law or {}, step, dense)
         yield phase
         t, (x, v, z) = phase.found.t[-1], phase.end
 

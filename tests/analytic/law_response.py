@@ -88,5 +88,5 @@ def law_orbit(oscillator, motion, law) -> LawOrbit:
     side = -np.copysign(1.0, turn.x)
     theta = motion.omega * (turn.t + half * (side < 0.0))
     start = side * turn.x, 0.0, side * turn.z
-    parts = phases(oscillator, motion, half, *start, theta, law, _STEP)
+    parts = phases(oscillator, motion, half, *start, theta, law, _STEP, dense=True)
     return LawOrbit(oscillator, motion, law, theta, [*parts])
