@@ -29,6 +29,9 @@ def test_loss_is_the_area_of_the_hysteresis_and_the_quadrature_stiffness():
     X = np.array([1.3])
     assert float(sliders.loss(X)[0]) == pytest.approx(area, rel=1e-5)
     assert float(np.pi * X[0] ** 2 * sliders.secant(X).imag[0]) == pytest.approx(area, rel=1e-5)
+    # stiffness and friction are those of the first loading
+    loading = stepped(np.array([0.0, 1e-3, 6.0]), sliders.r) @ sliders.kappa
+    assert (sliders.K_z, sliders.F_k) == pytest.approx((loading[1] / 1e-3, loading[-1]))
 
 
 def test_limits_are_a_spring_and_rigid_friction():
@@ -40,13 +43,6 @@ def test_limits_are_a_spring_and_rigid_friction():
     # ϑ = 2√(r/X) is small: Re D = 2ϑ³/(3π)
     in_phase = (F / r) * (2.0 / (3.0 * np.pi)) * (2.0 * np.sqrt(r / X)) ** 3
     assert rigid.real == pytest.approx(in_phase, rel=1e-6)
-
-
-def test_stiffness_and_friction_are_those_of_the_first_loading():
-    sliders = Sliders(np.array([0.1, 0.4, 5.0]), np.array([2.0, 3.0, 1.0]))
-    loading = stepped(np.array([0.0, 1e-3, 6.0]), sliders.r) @ sliders.kappa
-    assert sliders.K_z == pytest.approx(loading[1] / 1e-3)
-    assert sliders.F_k == pytest.approx(loading[-1])
 
 
 @pytest.mark.parametrize("part", [1e-9, 1e-7, 2e-5, 3e-5, 0.1, 0.5, 0.999, 1.0, 3.0])

@@ -19,7 +19,6 @@ from dampbalance.balance import (
     slip_displacement,
     slip_time,
     slip_velocity,
-    slip_velocity_as_printed,
     takes_phase,
     viscous_integral,
 )
@@ -95,15 +94,6 @@ def test_a_feature_that_is_missing_or_beyond_a_harmonic_motion_has_no_row():
     features = harmonic(0.01, 0.1).replaced(X_s=np.nan, V_s=np.nan, t_s=np.nan)
     for name in (*HARMONIC, "fourier"):
         assert not APPROACHES[name](features, K).usable[0]
-
-
-def test_the_slip_of_sign_is_no_approach_and_slides_too_far():
-    assert slip_velocity_as_printed not in APPROACHES.values()
-    features = harmonic(0.01, 0.1)
-    printed, corrected = (
-        rows(features, K).terms["F_k"][0] for rows in (slip_velocity_as_printed, slip_velocity)
-    )
-    assert printed > 4.0 * 0.01 > corrected
 
 
 def test_each_approach_reads_its_own_feature_only():

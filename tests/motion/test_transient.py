@@ -32,17 +32,6 @@ def test_the_path_begins_with_its_state_or_at_rest_and_both_ends_belong_to_it(gi
     assert (path.phases[0, PHASE_T], path.end) == (start, END)
 
 
-def test_a_path_continued_is_the_path_itself():
-    whole = transient(PAPER, MOTION, END, x=0.01)
-    middle = 0.4321 * END
-    at = whole.state(middle)
-    rest = transient(PAPER, MOTION, END, x=float(at.x), v=float(at.v), z=float(at.z), start=middle)
-    t = np.linspace(middle, END, 100)
-    for one, other in zip(whole.state(t), rest.state(t), strict=True):
-        # a state read off and started from again is rounded once
-        np.testing.assert_allclose(other, one, rtol=0, atol=1e-12 * np.abs(one).max())
-
-
 @settings(max_examples=60)
 @given(
     *drawn((1e-3, 5.0), (0.1, 5.0), (0.01, 1e3), (1e-3, 3.0)),
