@@ -59,14 +59,6 @@ def test_the_harmonics_are_those_of_an_integrator_in_fixed_steps(name, base):
     assert np.abs(mono - expected).max() > 100.0 * bound
 
 
-def test_a_base_that_is_harmonic_leaves_the_orbit_as_it_is():
-    orbit = orbit_of(CASES["several slips"])
-    x = distorted_harmonics(orbit, np.array([orbit.motion.Y + 0j, 0.0, 0.0]), 12)
-    # rounding, through a period map solved to 1e-11
-    assert np.abs(x[::2] - orbit.harmonics(6)).max() < 1e-10 * orbit.X
-    assert np.abs(x[1::2]).max() < 1e-10 * orbit.X
-
-
 def test_a_contact_that_sticks_is_a_spring():
     m, c, k, K_z, _, Y, omega = CASES["above"]
     base = np.array([Y, 0.0, 0.1j * Y])

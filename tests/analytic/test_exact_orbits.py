@@ -50,7 +50,7 @@ def test_cases_of_the_paper(motion):
 
 # ζ 0.02–2, ω/ω_n 0.3–2.5, K_z/k 2–300, F_k/kY 0.01–0.5, all spread by their logarithms
 RANGES = ((0.02, 2.0), (0.3, 2.5), (2.0, 300.0), (0.01, 0.5))
-WIDE = [*zip(*spread(32, 2010, *RANGES), strict=True)]
+WIDE = [*zip(*spread(16, 2010, *RANGES), strict=True)]
 
 
 @pytest.mark.parametrize("numbers", WIDE, ids=lambda n: "-".join(f"{x:.3g}" for x in n))
@@ -59,35 +59,26 @@ def test_wide_range(numbers):
     assert orbit.regime in (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS)
 
 
-@pytest.mark.parametrize("zeta", [0.02, 0.2])
-@pytest.mark.parametrize("K", [2.0, 5.0])
-@pytest.mark.parametrize("detuning", [0.0, 1e-9, -1e-4])
-def test_drive_at_the_resonance_of_the_stick_phase(zeta, K, detuning):
-    # forced and free motion of the stick phase nearly cancel there
-    for F in (0.01, 0.3):
-        compare(*case(zeta, math.sqrt(1.0 + K) * (1.0 + detuning), K, F))
+CORNERS = [
+    (0.02, 1.0, 300.0, 0.01),  # the shortest stick phase beside the largest amplitude
+    (0.02, 1.001, 300.0, 0.5),
+    (2.0, 0.3, 300.0, 0.01),
+    (2.0, 2.5, 2.0, 0.01),
+]
+# the drive at the resonance of the stick phase: its forced and free motion nearly cancel
+STICK_RESONANCE = [
+    (zeta, math.sqrt(1.0 + K) * (1.0 + detuning), K, F)
+    for zeta, K, F in ((0.02, 2.0, 0.01), (0.2, 5.0, 0.3))
+    for detuning in (0.0, 1e-9, -1e-4)
+]
+DISTANCES = (0.0, 1e-12, -1e-9, -1e-7, 1e-5, -1e-3)
+CRITICAL = [(1.0 + off, 0.7, 30.0, 0.1) for off in DISTANCES]  # damping of the slip phase
+CRITICAL += [(math.sqrt(3.5) * (1.0 + off), 0.7, 2.5, 0.05) for off in DISTANCES]  # of the stick
 
 
-@pytest.mark.parametrize(
-    "numbers",
-    [
-        (0.02, 1.0, 300.0, 0.01),  # the shortest stick phase beside the largest amplitude
-        (0.02, 1.0, 2.0, 0.01),
-        (0.02, 1.001, 300.0, 0.5),
-        (2.0, 0.3, 300.0, 0.01),
-        (2.0, 2.5, 2.0, 0.01),
-        (0.02, 0.3, 2.0, 0.01),
-    ],
-    ids=str,
-)
-def test_corners(numbers):
+@pytest.mark.parametrize("numbers", [*CORNERS, *STICK_RESONANCE, *CRITICAL], ids=str)
+def test_where_formulas_cancel_or_change(numbers):
     compare(*case(*numbers))
-
-
-@pytest.mark.parametrize("distance", [0.0, 1e-12, -1e-12, 1e-9, -1e-7, 1e-5, -1e-3])
-def test_nearly_critical_damping(distance):
-    compare(*case(1.0 + distance, 0.7, 30.0, 0.1))  # of the slip phase
-    compare(*case(math.sqrt(3.5) * (1.0 + distance), 0.7, 2.5, 0.05))  # of the stick phase
 
 
 @pytest.mark.parametrize("order", [1, 3, 5])
@@ -111,9 +102,7 @@ def test_several_slip_onsets_per_half_cycle(numbers):
     [
         (0.0, 1.3, 3.0, 0.8),
         (0.0, 1.0 + 1e-9, 100.0, 0.9),  # friction alone limits the resonance
-        (0.0, 1.0 - 1e-6, 3.0, 0.79),
         (0.0, 0.5, 100.0, 0.79),  # several slips
-        (1e-6, 1.0, 10.0, 0.9),
         (0.0, 2.0 * (1.0 + 1e-9), 3.0, 0.3),  # the stick phase at resonance
         # almost no slip: the motion is small beside its forced part
         (0.03579, 1.712, 284.8, 0.9986),

@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import mpmath as mp
 import numpy as np
 import pytest
 
-from dampbalance.model import Parameters
-from dampbalance.motion.flow import Phase, move, phase_start, step_response, unit
+from dampbalance.motion.flow import Phase, move, step_response
 
 EPS = np.finfo(float).eps
 
 # δ/Ω: undamped, hardly damped, on both sides of critical, very over-damped
-DAMPING = [0.0, 1e-9, 1e-4, 0.02, 0.3, 0.9]
-DAMPING += [1.0 + d for d in (-1e-2, -1e-4, -1e-6, -1e-9, -1e-12, 0, 1e-12, 1e-9, 1e-6, 1e-4, 1e-2)]
-DAMPING += [1.2, 3.0, 30.0, 1e3]
+DAMPING = [0.0, 1e-9, 0.02, 0.9, *(1.0 + d for d in (-1e-2, -1e-6, -1e-12, 0, 1e-9, 1e-4))]
+DAMPING += [1.2, 30.0, 1e3]
 # Ωt: decades, and both sides of every place where the implementation may change its formula
 TIMES = [10.0**n for n in range(-9, 4)]
 TIMES += [0.019, 0.05, 0.1, 0.199, 0.201, 0.5, 0.99, 1.01, 2.0, 3.0, 30.0]
-DRIVES = [0.01, 0.3, 0.9, 0.999, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.05, 3.0, 50.0]  # ω/Ω
+DRIVES = [0.01, 0.9, 1.0 - 1e-9, 1.0, 1.05, 3.0, 50.0]  # ω/Ω
 OMEGAS = [1.0, 17.3]  # Ω, 1/s
 FORCED_TIMES = [1e-9, 1e-6, 1e-3, 0.05, 0.2, 0.5, 0.99, 1.01, 3.0, 30.0, 1e3]
 
@@ -99,43 +96,3 @@ def test_everything_vanishes_at_the_start():
         assert step_response(0.0, ratio, 1.0) == (0.0, 0.0, 1.0)
         assert harmonic_response(0.0, drive, ratio, 1.0) == (0j, 0j)
         assert move(0.0, Phase(0.3, 2.0, 1.5 + 0.5j, ratio, 1.0, drive)) == (0.0, 0.3)
-
-
-@pytest.mark.parametrize("s", [1.0, -1.0, 0.0])
-@pytest.mark.parametrize("ratio", [0.0, 1.0, 3.0])
-def test_motion_of_a_phase_solves_the_equation_of_motion(s, ratio):
-    # m ẍ + c ẋ + k x + contact = kY cos(θ + ωt), solved term by term with mpmath's own Taylor integrator
-    k, m, K_z, F_k, Y, omega = 7.0, 0.8, 30.0, 1.1, 0.4, 2.3
-    kappa = k if s else k + K_z
-    c = 2.0 * m * ratio * math.sqrt(kappa / m)
-    par = Parameters(m, c, k, K_z, F_k, Y, omega)
-    x0, v0, z0, theta = -0.31, 0.17, 0.02, 0.7
-    phase = phase_start(s, x0, v0, z0, unit(theta), par)
-
-    def rate(t, q):
-        contact = s * mp.mpf(F_k) if s else K_z * (z0 + q[0])
-        push = k * Y * mp.cos(theta + omega * t) - c * q[1] - k * (x0 + q[0]) - contact
-        return [q[1], push / mp.mpf(m)]
-
-    with mp.workdps(22):
-        solution = mp.odefun(rate, 0, [mp.mpf(0), mp.mpf(v0)])
-        for t in (1e-3, 0.2, 0.6):
-            u, v = move(t, phase)
-            exact_u, exact_v = solution(t)
-            # the sum of four terms of which none is more than some ten times the result
-            assert abs(u - exact_u) <= 1e-14 * max(abs(exact_u), v0 * t)
-            assert abs(v - exact_v) <= 1e-14 * max(abs(exact_v), v0)
-
-
-def test_composition_of_two_steps_is_one_step():
-    # Φ(t₁ + t₂) = Φ(t₂) ∘ Φ(t₁), a property of the flow that needs no reference solution
-    par = Parameters(1.3, 0.4, 5.0, 80.0, 0.6, 0.2, 1.9)
-    for s, ratio in itertools.product((0.0, 1.0), (1e-3, 0.1, 0.5)):
-        x, v, z, theta, t = 0.1, -0.2, 0.003, 0.4, 1.1
-        phase = phase_start(s, x, v, z, unit(theta), par)
-        once, (u, v) = move(t, phase), move(ratio * t, phase)
-        turn = unit(theta + par.omega * ratio * t)
-        second = move((1 - ratio) * t, phase_start(s, x + u, v, z + u, turn, par))
-        # a few units of rounding of each step
-        assert u + second[0] == pytest.approx(once[0], rel=0, abs=1e-15)
-        assert second[1] == pytest.approx(once[1], rel=0, abs=1e-14)

@@ -1,4 +1,5 @@
-"""Laws that hold for every orbit: energy balance, orthogonality, similarity. README.md, sections 7 and 8."""
+"""Laws that hold for every orbit: energy balance, orthogonality, similarity; far beyond any measured system every case
+has one, and what is NaN has its reason. README.md, sections 7, 8 and 10."""
 
 from __future__ import annotations
 
@@ -7,11 +8,9 @@ import math
 import numpy as np
 import pytest
 from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
-from analytic.cases import PAPER_MOTIONS, dimensions, drawn, spread
-from dampbalance import Regime, steady_orbit, steady_orbits
-from paper_case import PAPER
+from analytic.cases import dimensions, drawn, spread
+from dampbalance import Regime, steady_orbits
 
 FEATURES = ("X", "X_s", "V_s", "t_s", "phi", "a", "b", "W", "X_1", "phi_1", "X_3", "X_5")
 
@@ -21,27 +20,61 @@ PROMISED = ((0.02, 2.0), (0.3, 2.5), (2.0, 300.0), (0.01, 2.0))
 WIDE = ((1e-4, 10.0), (0.05, 10.0), (0.01, 1e5), (1e-4, 10.0))
 
 
-@pytest.fixture(scope="module", params=["promised", "wide"])
+@pytest.fixture(scope="module", params=["promised", "wide", "undamped"])
 def population(request):
-    """(arguments, orbits, whether in the promised range) of a thousand cases."""
-    promised = request.param == "promised"
-    arguments = dimensions(*spread(1024, 7, *(PROMISED if promised else WIDE)))
+    """(arguments, orbits, range) of thousands of cases."""
+    zeta, *others = spread(1024, 1, *(PROMISED if request.param == "promised" else WIDE))
+    arguments = dimensions(zeta * (request.param != "undamped"), *others)
     orbits = steady_orbits(**arguments)
-    assert set(np.unique(orbits.regime)) == {Regime.ONE_SLIP, Regime.SEVERAL_SLIPS, Regime.NO_SLIP}
-    return arguments, orbits, promised
+    counts = np.bincount(orbits.regime, minlength=5)
+    assert np.all(counts[[Regime.ONE_SLIP, Regime.SEVERAL_SLIPS, Regime.NO_SLIP]] > 10)
+    return arguments, orbits, request.param
+
+
+def assert_nan_has_its_reason(orbits):
+    assert not np.any(orbits.regime == Regime.NOT_FOUND)
+    for name in (*FEATURES, "phi_3", "phi_5"):
+        expected = (orbits.regime == Regime.NO_SLIP) & (name in ("X_s", "V_s", "t_s"))
+        np.testing.assert_array_equal(np.isnan(getattr(orbits, name)), expected, name)
+
+
+def test_every_case_has_an_orbit(population):
+    _, orbits, _ = population
+    assert_nan_has_its_reason(orbits)
+    assert np.all(orbits.X > 0.0)
+    # no energy can come out; without damping and slip W is nought, and rounding of πkYX₁
+    nought = orbits.W <= 0.0
+    assert np.all(np.abs(orbits.W[nought]) <= 1e-14 * math.pi * orbits.X_1[nought])
+    assert np.all(orbits.regime[nought] == Regime.NO_SLIP)
+
+
+@pytest.mark.parametrize(
+    ("zeta", "r", "K", "F"),
+    [
+        # resonance of both phases, of the stick phase alone, and at multiples of the drive, with damping and without
+        ([[1.0], [0.0]], [1.0, 2.0, 0.2, 1.0 / 3.0], [1.0, 3.0, 24.0, 8.0], [1.0, 0.25, 0.5, 0.5]),
+        # slow and stiff: the contact chatters at its own frequency, some 6000 times that of the drive
+        ([1e-4, 1e-2], 0.05, 1e5, [0.5, 0.2]),
+    ],
+    ids=["resonances", "hundreds of events"],
+)
+def test_so_has_each_of_the_hardest(zeta, r, K, F):
+    arrays = (np.array(of) for of in (zeta, r, K, F))
+    assert_nan_has_its_reason(steady_orbits(**dimensions(*arrays)))
 
 
 def test_energy_balance(population):
     # W = a F_k + b c: the three integrals are computed independently of each other
-    arguments, o, promised = population
+    arguments, o, kind = population
     dissipated = o.a * arguments["F_k"] + o.b * arguments["c"]
     # W is πkYX₁ sin φ₁ (k = Y = 1): where φ₁ is small, the rounding of the phase is all that is left of it
     product = math.pi * o.X_1
-    # Far out, a hardly damped motion near a superharmonic resonance multiplies rounding by 1/ζ, up to 1e4.
-    rounding = 1e-15 if promised else 2e-12
+    # Far out, a hardly damped motion near a superharmonic resonance multiplies rounding by 1/ζ, up to 1e4; without any
+    # damping by what a weak friction leaves, measured 4e-12.
+    rounding = {"promised": 1e-15, "wide": 2e-12, "undamped": 2e-11}[kind]
     assert np.all(np.abs(o.W - dissipated) <= 1e-12 * o.W + rounding * product)
     slips = o.a > 0.0
-    if promised:
+    if kind == "promised":
         assert np.all(np.abs(o.W - dissipated)[slips] <= 1e-12 * o.W[slips])
 
 
@@ -64,59 +97,14 @@ def test_viscous_integral_is_bounded_by_its_harmonics(population):
     np.testing.assert_allclose(o.b[sticks], three[sticks], rtol=1e-12)
 
 
-@pytest.mark.parametrize("motion", PAPER_MOTIONS[:5], ids=str)
-def test_three_harmonics_suffice_near_resonance(motion):
-    # at 4.92 Hz the harmonics from 7 on carry less than 5e-4 of b: the ground of the Fourier balance
-    orbit = steady_orbit(PAPER, motion)
-    X = {n: orbit.harmonic(n)[0] for n in (1, 3, 5)}
-    three = math.pi * motion.omega * sum((n * X_n) ** 2 for n, X_n in X.items())
-    assert 0.0 < orbit.b - three < 5e-4 * orbit.b
-
-
-def test_geometry_of_slip(population):
-    arguments, o, _ = population
-    slips = o.regime != Regime.NO_SLIP
-    Z_m = arguments["F_k"] / arguments["K_z"]
-    X, X_s, t_s, V_s = o.X[slips], o.X_s[slips], o.t_s[slips], o.V_s[slips]
-    # from the reversal at −X the spring swings from −Z_m to +Z_m before the first forward onset: X_s = −X + 2Z_m
-    one = (o.regime == Regime.ONE_SLIP)[slips]
-    np.testing.assert_allclose(X_s[one], (-X + 2.0 * Z_m[slips])[one], rtol=1e-13, atol=0)
-    assert np.all(X_s > -X)
-    assert np.all(X_s < X)
-    assert np.all(t_s > 0.0)
-    assert np.all(t_s < math.pi / np.broadcast_to(arguments["omega"], o.X.shape)[slips])
-    assert np.all(V_s > 0.0)
-    # a one-slip orbit slides from X_s to X twice a cycle
-    np.testing.assert_allclose(o.a[slips][one], (2.0 * (X - X_s))[one], rtol=1e-14)
-    assert np.all(o.a[slips] > 0.0)
-    # the fundamental of a motion within ±X is at most 4X/π
-    assert np.all(4.0 / math.pi * o.X >= o.X_1)
-
-
 # --- similarity ----------------------------------------------------------------------------------
 
-exponents = st.integers(-20, 20)
 
-
-@settings(max_examples=60)
-@given(*drawn(*WIDE), exponents)
-@example(0.04417, 0.4204, 21.1, 0.4329, 3)
-def test_forces_scale(zeta, r, K, F, exponent):
-    # m, c, k, K_z, F_k times s: the same motion, s times the work. A power of 2 leaves no rounding: bit for bit.
-    s = 2.0**exponent
-    base = dimensions(zeta, r, K, F)
-    scaled = base | {name: s * base[name] for name in ("m", "c", "k", "K_z", "F_k")}
-    first, second = steady_orbits(**base), steady_orbits(**scaled)
-    assert first.regime == second.regime
-    for name in FEATURES:
-        factor = s if name == "W" else 1.0
-        np.testing.assert_array_equal(factor * getattr(first, name), getattr(second, name), name)
-
-
-@settings(max_examples=60)
-@given(*drawn(*PROMISED, (1e-6, 1e6), (1e-6, 1e6)))
-@example(0.04417, 0.4204, 21.1, 0.4329, 1e-3, 1e3)
-def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
+@settings(max_examples=40)
+@given(*drawn(*PROMISED, (1e-26, 1e26), (1e-6, 1e6)))
+@example(0.04417, 0.4204, 21.1, 0.4329, 1e-27, 1e3)
+def test_forces_lengths_and_times_scale(zeta, r, K, F, length, rate):
+    # only ratios matter: no threshold in metres or newtons hides anywhere; all forces times s leave the motion
     base = dimensions(zeta, r, K, F)
     scaled = base | {
         "Y": length,
@@ -125,8 +113,12 @@ def test_lengths_and_times_scale(zeta, r, K, F, length, rate):
         "c": base["c"] / rate,
         "m": base["m"] / rate**2,
     }
-    first, second = steady_orbits(**base), steady_orbits(**scaled)
-    assert first.regime == second.regime
+    forced = base | {name: 2.0**7 * base[name] for name in ("m", "c", "k", "K_z", "F_k")}
+    first, second, third = (steady_orbits(**of) for of in (base, scaled, forced))
+    assert first.regime == second.regime == third.regime
+    for name in FEATURES:  # a power of 2 leaves no rounding: bit for bit
+        factor = 2.0**7 if name == "W" else 1.0
+        np.testing.assert_array_equal(factor * getattr(first, name), getattr(third, name), name)
     speed = length * rate
     factors = {"X": length, "X_s": length, "V_s": speed, "t_s": 1.0 / rate, "phi": 1.0}
     factors |= {"a": length, "b": length * speed, "W": length**2}

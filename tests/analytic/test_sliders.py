@@ -32,23 +32,15 @@ def assert_same(orbit, other):
     assert abs(apart) < 1e-9  # a reversal is a maximum: half of its digits are lost at worst
 
 
-@pytest.mark.parametrize("numbers", [*SIMPLE, *SEVERAL_SLIPS])
-def test_one_element_is_the_contact_of_the_paper(numbers):
+@pytest.mark.parametrize("numbers", [*SIMPLE, *[*SEVERAL_SLIPS][::2]])
+def test_one_element_is_the_contact_of_the_paper_and_several_of_one_length_are_one(numbers):
     oscillator, motion = case(*numbers)
-    exact = steady_orbit(oscillator, motion)
-    alone = sliders_orbit(replace(oscillator, F_k=0.0), motion, oscillator.Z_m, oscillator.K_z)
-    assert_same(alone, exact)
-    slid = 0.0 if math.isnan(exact.a) else oscillator.F_k * exact.a
-    assert alone.friction_loss == pytest.approx(slid, rel=1e-11)
-
-
-@pytest.mark.parametrize("numbers", [*SIMPLE, *SEVERAL_SLIPS])
-def test_elements_of_one_length_are_one(numbers):
-    oscillator, motion = case(*numbers)
-    shares = np.array([0.5, 0.3, 0.2])
-    bare = replace(oscillator, F_k=0.0)
-    several = sliders_orbit(bare, motion, [oscillator.Z_m] * 3, shares * oscillator.K_z)
-    assert_same(several, steady_orbit(oscillator, motion))
+    exact, bare = steady_orbit(oscillator, motion), replace(oscillator, F_k=0.0)
+    for shares in (np.ones(1), np.array([0.5, 0.3, 0.2])):
+        r = np.full(shares.size, oscillator.Z_m)
+        orbit = sliders_orbit(bare, motion, r, shares * oscillator.K_z)
+        assert_same(orbit, exact)
+        assert orbit.friction_loss == pytest.approx(oscillator.F_k * exact.a, rel=1e-11)
 
 
 def test_the_contact_of_the_oscillator_is_one_of_them():
@@ -69,24 +61,16 @@ def test_an_element_that_never_slips_is_a_spring_to_the_ground():
     smaller = replace(motion, Y=motion.Y * PAPER.k / stiffer.k)
     exact, never = steady_orbit(stiffer, smaller), sliders_orbit(PAPER, motion, 1.0, kappa)
     t = np.linspace(0.0, motion.period, 301)
-    for name in ("x", "v", "acceleration"):
-        here, there = getattr(never.state(t), name), getattr(exact.state(t), name)
+    for here, there in zip(never.state(t)[:3], exact.state(t)[:3], strict=True):
         np.testing.assert_allclose(here, there, rtol=0, atol=TOLERANCE * np.abs(there).max())
-
-
-def test_where_nothing_slips_the_response_is_linear():
-    (motion,) = motions_at(levels=LEVELS[:1])
-    r, kappa = [1.0, 2.0], [1000.0, 500.0]
-    orbit = sliders_orbit(BARE, motion, r, kappa)
-    stiffness = PAPER.k + sum(kappa) - PAPER.m * motion.omega**2
+    # nor does the contact where it sticks: the response is linear
+    stuck = sliders_orbit(BARE, motion, [1.0, 2.0], [1000.0, 500.0])
+    stiffness = PAPER.k + 1500.0 - PAPER.m * motion.omega**2
     x = PAPER.k * motion.Y / complex(stiffness, PAPER.c * motion.omega)
-    t = np.linspace(0.0, motion.period, 101)
     expected = (x * np.exp(1j * motion.omega * t)).real
-    state = orbit.state(t)
-    np.testing.assert_allclose(state.x, expected, rtol=0, atol=TOLERANCE * abs(x))
-    np.testing.assert_allclose(state.z, expected, rtol=0, atol=TOLERANCE * abs(x))
-    assert pytest.approx(abs(x), rel=TOLERANCE) == orbit.X
-    assert orbit.friction_loss == 0.0
+    np.testing.assert_allclose(stuck.state(t).x, expected, rtol=0, atol=TOLERANCE * abs(x))
+    np.testing.assert_allclose(stuck.state(t).z, expected, rtol=0, atol=TOLERANCE * abs(x))
+    assert (stuck.X, stuck.friction_loss) == (pytest.approx(abs(x), rel=TOLERANCE), 0.0)
 
 
 def several_reversals():
@@ -103,14 +87,12 @@ CASES = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ["paper, omega1", "several reversals"])
 def test_an_independent_integrator_moves_alike(name):
     """Runge and Kutta's steps through one period from the state of the orbit: the sliders as differential equations,
     z_j held at r_j. An event within a step costs about the square of the step: measured, 3e-7 of the amplitude."""
-    oscillator, motion, r, kappa = CASES[name]
-    orbit, o = sliders_orbit(oscillator, motion, r, kappa), oscillator
-    start = orbit.phases[0]
-    begin = orbit.theta / motion.omega
+    o, motion, r, kappa = CASES[name]
+    orbit = sliders_orbit(o, motion, r, kappa)
 
     def rate(t, q):
         z = q[2:]
@@ -118,21 +100,16 @@ def test_an_independent_integrator_moves_alike(name):
         held = (np.abs(z) >= r) & (z * q[1] > 0.0)
         return np.concatenate([[q[1], force / o.m], np.where(held, 0.0, q[1])])
 
-    t, q = [begin], [start[2:]]
-    steps = 12_000
-    edges = begin + motion.period * np.arange(steps + 1) / steps
-    for low, high in itertools.pairwise(edges):
-        now, h = q[-1], high - low
-        k1 = rate(low, now)
-        k2 = rate(low + 0.5 * h, now + 0.5 * h * k1)
-        k3 = rate(low + 0.5 * h, now + 0.5 * h * k2)
-        k4 = rate(high, now + h * k3)
-        end = now + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-        end[2:] = np.clip(end[2:], -r, r)
-        t.append(high)
-        q.append(end)
-    state, q = orbit.state(np.array(t)), np.array(q)
-    np.testing.assert_allclose(q[:, 0], state.x, rtol=0, atol=1e-6 * orbit.X)
+    q, h = [orbit.phases[0, 2:]], motion.period / 12_000
+    times = orbit.theta / motion.omega + h * np.arange(12_001)
+    for t in times[:-1]:
+        k1 = rate(t, q[-1])
+        k2 = rate(t + 0.5 * h, q[-1] + 0.5 * h * k1)
+        k3 = rate(t + 0.5 * h, q[-1] + 0.5 * h * k2)
+        k4 = rate(t + h, q[-1] + h * k3)
+        end = q[-1] + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+        q.append(np.append(end[:2], np.clip(end[2:], -r, r)))
+    np.testing.assert_allclose(np.array(q)[:, 0], orbit.state(times).x, rtol=0, atol=1e-6 * orbit.X)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -156,17 +133,6 @@ def test_what_is_put_in_is_lost(name):
         assert np.count_nonzero(orbit.phases[:, PHASE_V] == 0.0) > 1
 
 
-def test_many_elements_are_close_to_their_limit():
-    """Elements evenly spaced in ln r: twice as many change the amplitude by the square of the spacing."""
-    (motion,) = motions_at(levels=LEVELS[:1])
-    X = []
-    for n in (10, 20, 40):
-        r = 1e-4 * 30.0 ** ((np.arange(n) + 0.5) / n)
-        X.append(sliders_orbit(BARE, motion, r, np.full(n, 6000.0 / n)).X)
-    first, second = np.diff(X)
-    assert first / second == pytest.approx(4.0, rel=0.1)
-
-
 def test_there_is_no_orbit_where_nothing_is_lost():
     osc = Oscillator(m=1.0, c=0.0, k=1000.0, K_z=1.0, F_k=0.0)
     with pytest.raises(NoSteadyOrbit, match="3 sliders"):
@@ -177,12 +143,10 @@ def test_there_is_no_orbit_where_nothing_is_lost():
     ("r", "kappa", "message"),
     [
         ([1e-4, 2e-4], [1.0], r"one length, 1 to 200, got shapes \(2,\) and \(1,\)"),
-        ([[1e-4]], [[1.0]], r"got shapes \(1, 1\)"),
         ([1e-4] * (MOST_SLIDERS + 1), [1.0] * (MOST_SLIDERS + 1), "1 to 200"),
         ([], [], r"got shapes \(0,\)"),
         (-1e-4, 1.0, "r must be a positive number of m"),
         (1e-4, 0.0, "kappa must be a positive number of N/m"),
-        ("1e-4", 1.0, "r must be"),
     ],
 )  # fmt: skip
 def test_what_makes_no_sense_is_refused(r, kappa, message):

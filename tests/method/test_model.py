@@ -11,7 +11,6 @@ import pytest
 
 import paper_case
 from dampbalance import BaseMotion, Oscillator
-from dampbalance.model import Parameters, parameters
 
 PAPER = dataclasses.asdict(paper_case.PAPER)
 MOTION = {"Y": 0.004, "omega": 30.9}
@@ -41,42 +40,29 @@ def test_base_motion():
     np.testing.assert_allclose(motion.y(t), [[0.5, 0.0], [-0.5, 0.5]], rtol=0, atol=1e-15)
 
 
-def test_parameters_keep_their_order():
-    expected = Parameters(2.42, 90.0, 2310.0, 208000.0, 1.28, 0.004, 30.9)
-    assert parameters(Oscillator(**PAPER), BaseMotion(**MOTION)) == expected
-
-
-@pytest.mark.parametrize(
-    "number", [2, np.float32(2.0), np.float64(2.0), np.int64(2), np.uint8(2)], ids=lambda n: repr(n)
-)
+@pytest.mark.parametrize("number", [2, np.float32(2.0), np.uint8(2)], ids=repr)
 def test_any_real_number_becomes_a_float(number):
     oscillator = Oscillator(**PAPER | {"m": number})
     assert type(oscillator.m) is float
     assert oscillator.m == 2.0
 
 
-def test_equal_values_are_equal_and_hash_alike():
-    assert Oscillator(**PAPER) == Oscillator(**PAPER | {"c": 90})
+def test_a_changed_copy_is_checked_and_nothing_else_is_changed():
+    assert (
+        Oscillator(**PAPER) == Oscillator(**PAPER | {"c": 90}) != Oscillator(**PAPER | {"c": 90.1})
+    )
     assert hash(Oscillator(**PAPER)) == hash(Oscillator(**PAPER | {"c": 90}))
-    assert Oscillator(**PAPER) != Oscillator(**PAPER | {"c": 90.1})
-
-
-def test_values_cannot_be_changed():
     with pytest.raises(dataclasses.FrozenInstanceError):
         Oscillator(**PAPER).m = 3.0
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        BaseMotion(**MOTION).Y = 3.0
-    # but a changed copy is checked like any other
     with pytest.raises(ValueError, match=r"Oscillator\.m must be a positive number of kg"):
         dataclasses.replace(Oscillator(**PAPER), m=-1.0)
-
-
-NO_NUMBERS = ["1e-6", True, None, 1j, [1.0], np.array([1.0]), Fraction(1, 2)]
+    with pytest.raises(ValueError, match="use a large finite K_z for a rigid contact"):
+        Oscillator(**PAPER | {"K_z": math.inf})
 
 
 @pytest.mark.parametrize(("kind", "values", "name"), FIELDS, ids=ids)
 @pytest.mark.parametrize(
-    "bad", [0.0, -0.0, -1.0, -5e-324, math.nan, math.inf, -math.inf, *NO_NUMBERS], ids=repr
+    "bad", [0.0, -0.0, -5e-324, math.nan, math.inf, "1e-6", True, [1.0], Fraction(1, 2)], ids=repr
 )
 def test_other_values_are_refused_by_name(kind, values, name, bad):
     wanted = "a positive number of .*"
@@ -88,13 +74,3 @@ def test_other_values_are_refused_by_name(kind, values, name, bad):
     got = bad if isinstance(bad, float) else ""
     with pytest.raises(ValueError, match=rf"^{kind.__name__}\.{name} must be {wanted}, got {got}"):
         kind(**values | {name: bad})
-
-
-def test_a_rigid_contact_gets_a_hint():
-    with pytest.raises(ValueError, match="use a large finite K_z for a rigid contact"):
-        Oscillator(**PAPER | {"K_z": math.inf})
-
-
-def test_every_field_is_needed():
-    with pytest.raises(TypeError, match="F_k"):
-        Oscillator(m=1.0, c=1.0, k=1.0, K_z=1.0)

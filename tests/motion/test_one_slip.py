@@ -9,18 +9,10 @@ import pytest
 
 from analytic.cases import dimensions, spread
 from dampbalance import Regime, steady_orbits
-from dampbalance.model import Parameters, parameters
-from dampbalance.motion.events import PHASE_T, PHASE_V
-from dampbalance.motion.flow import Phase, move
-from dampbalance.motion.one_slip import (
-    _half_cycle,
-    solve_one_slip,
-    velocity_keeps_sign,
-)
-from dampbalance.motion.period_map import half_period_map
+from dampbalance.model import Parameters
+from dampbalance.motion.flow import Phase
+from dampbalance.motion.one_slip import solve_one_slip, velocity_keeps_sign
 from dampbalance.motion.states import states_in_phases
-from dampbalance.motion.steady import MAX_PHASES
-from paper_case import FREQUENCIES_HZ, PAPER, motions_at
 
 LABORATORY = ((0.01, 1.0), (0.3, 3.0), (3.0, 1e3), (3e-3, 0.6))  # ζ, ω/ω_n, K_z/k, F_k/kY
 
@@ -29,38 +21,9 @@ def of_case(zeta, r, K, F):
     return Parameters(**{name: float(v) for name, v in dimensions(zeta, r, K, F).items()})
 
 
-CASES = [of_case(*numbers) for numbers in zip(*spread(32, 1, *LABORATORY), strict=True)]
-PAPER_CASES = [
-    parameters(PAPER, motion) for hertz in FREQUENCIES_HZ.values() for motion in motions_at(hertz)
-]
-
-
-def half_a_period_on(par, X, theta):
-    """(x, ẋ, z) half a period after the reversal at −X, with the phases in between, by event location."""
-    phases, jacobian = np.empty((MAX_PHASES, 5)), np.empty((3, 3))
-    _, *state = half_period_map(-X, 0.0, -par.F_k / par.K_z, theta, par, phases, jacobian)
-    return state, phases
-
-
-@pytest.mark.parametrize("par", [*PAPER_CASES, *CASES], ids=lambda par: f"{par.F_k:.3g}")
-def test_what_it_finds_is_the_motion_of_half_a_period(par):
-    found, tau, X, theta, V_s = solve_one_slip(par)
-    if not found:
-        assert par not in PAPER_CASES  # all fifteen of the paper's responses are of this kind
-        return
-    (x, v, z), phases = half_a_period_on(par, X, theta)
-    # 1e-11: rounding of the events, which the stiffest contact magnifies
-    assert x == pytest.approx(X, rel=1e-11)
-    assert v == pytest.approx(0.0, abs=1e-11 * par.omega * X)
-    assert z == pytest.approx(par.F_k / par.K_z, rel=1e-11)
-    assert tau == pytest.approx(phases[1, PHASE_T], rel=1e-10)
-    assert V_s == pytest.approx(phases[1, PHASE_V], rel=1e-10)
-
-
-@pytest.mark.parametrize("part", range(16))
-def test_it_serves_wherever_the_velocity_keeps_its_sign_and_nowhere_else(part):
-    """Of 512 oscillators that a laboratory may meet, thirty-two at a time: 492 have one slip, and it finds 480."""
-    zeta, r, K, F = np.array(spread(512, 1, *LABORATORY))[:, part::16]
+def test_it_serves_wherever_the_velocity_keeps_its_sign_and_nowhere_else():
+    """Of oscillators that a laboratory may meet: 492 in 512 have one slip, and it finds 480."""
+    zeta, r, K, F = np.array(spread(256, 1, *LABORATORY))
     orbits = steady_orbits(**dimensions(zeta, r, K, F))
     served = 0
     for i in range(zeta.size):
@@ -69,29 +32,13 @@ def test_it_serves_wherever_the_velocity_keeps_its_sign_and_nowhere_else(part):
         if orbits.regime[i] != Regime.ONE_SLIP:
             assert not found
             continue
-        phases = np.array(
-            [
-                [0.0, 0.0, -orbits.X[i], 0.0, -F[i] / K[i]],
-                [orbits.t_s[i], 1.0, orbits.X_s[i], orbits.V_s[i], F[i] / K[i]],
-            ]
-        )
+        stick = [0.0, 0.0, -orbits.X[i], 0.0, -F[i] / K[i]]
+        slip = [orbits.t_s[i], 1.0, orbits.X_s[i], orbits.V_s[i], F[i] / K[i]]
         t = np.linspace(0.01, 0.99, 99) * math.pi / r[i]
-        v = states_in_phases(t, phases, orbits.phi[i] - math.pi, par)[1]
+        v = states_in_phases(t, np.array([stick, slip]), orbits.phi[i] - math.pi, par)[1]
         assert found == bool(np.all(v > 0.0)), i
         served += found
-    assert served >= 25
-
-
-@pytest.mark.parametrize("par", CASES[:8], ids=lambda par: f"{par.F_k:.3g}")
-def test_its_derivative_is_that_of_its_equations(par):
-    for tau in np.array([0.02, 0.2, 0.6]) * math.pi / par.omega:
-        h = 1e-4 * min(tau, math.sqrt(par.m / (par.k + par.K_z)))
-        low, high = _half_cycle(tau - h, par), _half_cycle(tau + h, par)
-        _, p1, p2, _, dp1, dp2 = _half_cycle(tau, par)
-        for i, slope in ((1, dp1), (2, dp2)):
-            # central difference: 1e-8 of the size from the third derivative, and as much from rounding over h
-            size = math.hypot(p1, p2) / tau
-            assert (high[i] - low[i]) / (2.0 * h) == pytest.approx(slope, rel=1e-6, abs=1e-7 * size)
+    assert served >= 230
 
 
 @pytest.mark.parametrize(
@@ -104,22 +51,3 @@ def test_a_dip_of_the_velocity_is_seen_between_samples(lowest, kept, at):
     A = complex(-d * omega * math.sin(omega * at), -d * omega * math.cos(omega * at))
     phase = Phase(1.0 - d * math.cos(omega * at), 0.0, A, 0.0, 1e-12, omega)
     assert velocity_keeps_sign(1.0, phase, 1.0) == kept
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_whether_the_velocity_of_any_phase_keeps_its_sign(seed):
-    """Damped, driven and pushed by chance; the velocity itself on a fine grid says what is right."""
-    rng = np.random.default_rng(seed)
-    answers = []
-    while len(answers) < 8:
-        v0, f0, delta, Omega, omega = rng.uniform(
-            [0.2, -2.0, 0.0, 0.5, 0.5], [1.0, 2.0, 1.0, 4.0, 4.0]
-        )
-        phase = Phase(v0, f0, complex(*rng.normal(size=2)), delta, Omega * Omega, omega)
-        duration = rng.uniform(0.3, 3.0)
-        v = np.array([move(t, phase)[1] for t in np.linspace(0.0, duration, 120)[1:]])
-        if v[-1] < 0.05 or abs(v.min()) < 0.02:
-            continue  # it ends on its way back, or too close to rest for this grid to tell
-        assert velocity_keeps_sign(duration, phase, 1.0) == bool(v.min() > 0.0)
-        answers.append(bool(v.min() > 0.0))
-    assert len(set(answers)) == 2

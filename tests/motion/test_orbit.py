@@ -5,35 +5,33 @@ from __future__ import annotations
 import itertools
 import json
 import math
-import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from matplotlib import pyplot
 
 from analytic.cases import SEVERAL_SLIPS, case
-from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, State, steady_orbit
+from dampbalance import BaseMotion, NoSteadyOrbit, Orbit, Oscillator, Regime, steady_orbit
 from dampbalance.motion.events import PHASE_T
 from paper_case import PAPER
 
 CASES = [
     (0.6, 1.0, 90.0, 0.14),
-    (0.02, 1.0, 300.0, 0.01),
     (3.0, 0.7, 30.0, 0.1),
     (0.3, 0.7, 5.0, 3.0),  # no slip
     (0.4, 0.8, 10.0, 0.0),  # no friction
-    (0.0, 1.3, 3.0, 0.8),
     (0.0, 0.21, 24.0, 0.5),  # undamped and slow: many free oscillations in a cycle
-    *SEVERAL_SLIPS,
+    *[*SEVERAL_SLIPS][::3],
 ]
 
 
-@pytest.fixture(params=CASES, ids=str)
+@pytest.fixture(scope="module", params=CASES, ids=str)
 def orbit(request):
     return steady_orbit(*case(*request.param))
 
 
-def test_ends_of_the_half_cycle(orbit):
+def test_reversals_and_onset(orbit):
     X, omega = orbit.X, orbit.motion.omega
     assert orbit.t_2 - orbit.t_1 == pytest.approx(0.5 * orbit.motion.period, rel=1e-14)
     assert -0.5 * math.pi <= orbit.phi < 1.5 * math.pi
@@ -42,22 +40,14 @@ def test_ends_of_the_half_cycle(orbit):
         state = orbit.state(time)
         assert float(state.x) == pytest.approx(sign * X, rel=1e-14)
         assert float(state.v) == pytest.approx(0.0, abs=1e-10 * omega * X)
-
-
-def test_slip_onset(orbit):
-    if orbit.regime is Regime.NO_SLIP:
-        assert math.isnan(orbit.t_s)
+    if orbit.regime in (Regime.NO_SLIP, Regime.NO_FRICTION):
         return
-    if orbit.regime is Regime.NO_FRICTION:
-        assert orbit.t_s == 0.0
-        return
-    Z_m, X = orbit.oscillator.Z_m, orbit.X
     state = orbit.state(orbit.t_1 + orbit.t_s)
     assert float(state.x) == pytest.approx(orbit.X_s, rel=0, abs=1e-12 * X)
     assert float(state.v) == pytest.approx(orbit.V_s, rel=1e-10)  # rounding of t times the jerk
-    assert float(state.z) == pytest.approx(Z_m, rel=1e-10)
+    assert float(state.z) == pytest.approx(orbit.oscillator.Z_m, rel=1e-10)
     before = orbit.state(orbit.t_1 + orbit.t_s * np.linspace(0.0, 0.999, 50))
-    assert np.all(before.z < Z_m)  # it is the first onset, from the reversal on
+    assert np.all(before.z < orbit.oscillator.Z_m)  # it is the first onset, from the reversal on
 
 
 def sampled(orbit, n=2001):
@@ -92,38 +82,14 @@ def test_velocity_and_acceleration_are_the_derivatives(orbit):
         assert (v[2] - v[0]) / (2.0 * h) == pytest.approx(acceleration[1], rel=0, abs=slack)
 
 
-def test_states_are_continuous_at_events(orbit):
-    # x, ẋ, z pass every event without a jump, and so does ẍ: the contact force is continuous
-    period, t_1 = orbit.motion.period, orbit.t_1
-    events = np.concatenate([orbit.phases[:, PHASE_T], orbit.phases[:, PHASE_T] + 0.5 * period])
-    h = 1e-9 * np.diff([*orbit.phases[:, PHASE_T], 0.5 * period]).min()
-    before, after = orbit.state(t_1 + events - h), orbit.state(t_1 + events + h)
-    if orbit.regime is Regime.NO_FRICTION:  # the force of a slider without friction is nought
-        before, after = before._replace(z=0.0), after._replace(z=0.0)
-    for name in ("x", "v", "acceleration", "z"):
-        low, high = np.asarray(getattr(before, name)), np.asarray(getattr(after, name))
-        # 2h of motion at rates up to 1/(shortest phase), and the rounding of t at high stick frequencies
-        scale = np.abs(getattr(orbit.state(np.linspace(0, period, 99)), name)).max()
-        np.testing.assert_allclose(low, high, rtol=0, atol=1e-7 * scale, err_msg=name)
-
-
-def test_half_wave_symmetry_and_period(orbit):
-    t, state = sampled(orbit, 401)
-    period = orbit.motion.period
-    for shift, sign in ((0.5, -1.0), (1.0, 1.0), (-3.0, 1.0)):
-        moved = orbit.state(t + shift * period)
-        for value, other in zip(state, moved, strict=True):
-            # the rounding of t, three periods off, at rates of up to some thousand ω
-            np.testing.assert_allclose(
-                other, sign * value, rtol=0, atol=2e-11 * np.abs(value).max()
-            )
-
-
 def test_harmonics_by_the_discrete_fourier_transform(orbit):
     n = 4096
     x = orbit.state(np.arange(n) / n * orbit.motion.period).x
     spectrum = 2.0 / n * np.fft.rfft(x)
     assert np.abs(spectrum[0:8:2]).max() <= 1e-13 * orbit.X  # half-wave symmetry: odd ones only
+    # of any period: the rounding of t, three periods off, at rates of up to some thousand ω
+    late = orbit.state(-3.0 * orbit.motion.period + 0.1).x
+    assert late == pytest.approx(orbit.state(0.1).x, rel=0, abs=2e-11 * orbit.X)
     for order in (1, 3, 5):
         X_n, phi_n = orbit.harmonic(order)
         # aliases: X_n falls as n⁻⁴ (ẍ is continuous, the jerk jumps) from 4096 on
@@ -133,81 +99,54 @@ def test_harmonics_by_the_discrete_fourier_transform(orbit):
     series = orbit.harmonics(40)
     assert np.abs(series - spectrum[1:80:2]).max() <= 1e-11 * orbit.X
     assert orbit.harmonics(3) == pytest.approx(series[:3], rel=1e-12)
+    # the energy of all harmonics is that of the velocity; the squares of n x_n beyond n leave n⁻³ or so
+    squares, omega = np.abs(orbit.harmonics(400)) ** 2, orbit.motion.omega
+    assert math.pi * omega * squares @ np.arange(1, 800, 2) ** 2 == pytest.approx(orbit.b, rel=1e-7)
+    if orbit.regime is Regime.NO_SLIP:
+        assert not series[1:].any()
 
 
-def test_state_takes_any_shape():
-    orbit = steady_orbit(*case(*CASES[0]))
-    for t in (0.1, [0.1], [[0.1, 0.2]], np.zeros((0,)), np.zeros((2, 0, 3)), np.float32(0.25)):
-        state = orbit.state(t)
-        assert isinstance(state, State)
-        assert all(value.shape == np.shape(t) for value in state)
-    alone, among = orbit.state(0.2), orbit.state([[0.1, 0.2]])
-    assert all(one[()] == many[0, 1] for one, many in zip(alone, among, strict=True))
+def test_an_orbit_that_takes_long_is_given_up_on_request():
+    # far below resonance and lightly damped: several slips per half cycle, which alone has 9,000 rad
+    stiff = Oscillator(m=2.42, c=4.0, k=2310.0, K_z=1e9, F_k=2.0), BaseMotion(0.004, 7.0)
+    with pytest.raises(NoSteadyOrbit):
+        steady_orbit(*stiff, most_radians=1e4)
+    # the closed form follows nothing
+    one = replace(PAPER, K_z=1e9), BaseMotion(0.006, 31.0)
+    assert steady_orbit(*one, most_radians=1e4).regime is Regime.ONE_SLIP
 
 
 def test_round_trip_bit_for_bit(orbit):
     again = Orbit.from_dict(json.loads(json.dumps(orbit.to_dict())))
-    assert again.oscillator == orbit.oscillator
-    assert again.motion == orbit.motion
-    assert again.regime is orbit.regime
-    assert again.phases.tobytes() == orbit.phases.tobytes()
+    assert (again.oscillator, again.motion, again.regime) == (
+        orbit.oscillator,
+        orbit.motion,
+        orbit.regime,
+    )
     assert again.to_dict() == orbit.to_dict()
-    for name in ("X", "X_s", "V_s", "t_s", "phi", "phi_zero_crossing", "t_1", "t_2", "a", "b", "W"):
-        first, second = getattr(orbit, name), getattr(again, name)
-        assert np.float64(first).tobytes() == np.float64(second).tobytes(), name
     t, state = sampled(orbit, 101)
     for first, second in zip(state, again.state(t), strict=True):
         assert first.tobytes() == second.tobytes()
+    with pytest.raises(ValueError, match="read-only"):
+        again.phases[0, PHASE_T] = 1.0
 
 
-def test_a_damaged_description_is_refused():
-    data = steady_orbit(*case(*CASES[0])).to_dict()
+def test_what_makes_no_sense_is_refused():
+    orbit = steady_orbit(*case(*CASES[0]))
+    for n in (0, 2, 7, 1.5):
+        with pytest.raises(ValueError, match=f"n must be .*, got {n}"):
+            orbit.harmonic(n)
+    data = orbit.to_dict()
     with pytest.raises(ValueError, match=r"Oscillator\.m must be a positive number of kg"):
         Orbit.from_dict(data | {"oscillator": data["oscillator"] | {"m": -1.0}})
-    with pytest.raises(KeyError, match="SLIDING"):
-        Orbit.from_dict(data | {"regime": "SLIDING"})
-
-
-def test_phases_are_read_only(orbit):
-    for one in (orbit, Orbit.from_dict(orbit.to_dict())):
-        with pytest.raises(ValueError, match="read-only"):
-            one.phases[0, PHASE_T] = 1.0
-
-
-@pytest.mark.parametrize("n", [0, 2, 4, 7, -1, 1.5])
-def test_only_the_first_odd_harmonics(n):
-    with pytest.raises(ValueError, match=f"n must be .*, got {n}"):
-        steady_orbit(*case(*CASES[0])).harmonic(n)
-
-
-def test_missing_features_are_nan_and_the_regime_says_why():
-    orbit = steady_orbit(*case(0.3, 0.7, 5.0, 3.0))
-    assert all(math.isnan(value) for value in (orbit.X_s, orbit.V_s, orbit.t_s))
-    assert str(orbit.regime) == "no slip: the contact only sticks"
-    assert orbit.a == 0.0
-
-
-def test_words_of_every_regime():
-    words = {str(regime) for regime in Regime}
-    assert len(words) == len(Regime)
-    assert all(re.fullmatch("[a-z: ]+", word) for word in words)
-    assert list(Regime) == list(range(len(Regime)))  # arrays of codes pick words by place
-
-
-def test_no_steady_orbit_is_an_error_that_names_the_case():
-    resonant = Oscillator(m=1.0, c=0.0, k=4.0, K_z=10.0, F_k=0.1)
-    with pytest.raises(
-        NoSteadyOrbit, match=r"no steady orbit found for Oscillator\(m=1\.0, c=0\.0"
-    ):
-        steady_orbit(resonant, BaseMotion(Y=1.0, omega=2.0))
+    with pytest.raises(ValueError, match=r"quantity must be one of t, x, v, .* got 'force'"):
+        orbit.plot("force")
 
 
 @pytest.mark.parametrize("Y", [0.004, 0.0002])
 def test_it_shows_values_first_and_draws_itself(Y):
     orbit = steady_orbit(PAPER, BaseMotion(Y, 22.0))
     assert repr(orbit).startswith(f"Orbit  X = {orbit.X:.4g} m, φ = {orbit.phi:.4g} rad, W = ")
-    assert str(orbit.regime) in repr(orbit).splitlines()[0]
-    assert repr(PAPER) in repr(orbit)
     assert f"{orbit.b:.6g}" in orbit._repr_html_()
     (row,) = orbit.to_frame().to_dict("records")
     assert (row["k_N_per_m"], row["X_m"], row["regime"]) == (PAPER.k, orbit.X, str(orbit.regime))
@@ -222,5 +161,3 @@ def test_it_shows_values_first_and_draws_itself(Y):
         assert stick[0].get_xdata()[[0, -1]] == pytest.approx([-orbit.X, orbit.X_s], rel=1e-9)
     assert orbit.plot(ax=axes) is axes
     pyplot.close("all")
-    with pytest.raises(ValueError, match=r"quantity must be one of t, x, v, .* got 'force'"):
-        orbit.plot("force")

@@ -10,7 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from analytic.cases import PAPER_MOTIONS, case, drawn
-from dampbalance import BaseMotion, Oscillator, State, transient
+from dampbalance import BaseMotion, Oscillator, transient
 from dampbalance.motion.events import PHASE_S, PHASE_T
 from paper_case import PAPER
 
@@ -30,50 +30,22 @@ def test_the_path_begins_with_its_state_or_at_rest_and_both_ends_belong_to_it(gi
     if not given:
         assert state.acceleration[0] == pytest.approx(PAPER.k * MOTION.Y / PAPER.m, rel=1e-15)
     assert (path.phases[0, PHASE_T], path.end) == (start, END)
-    assert "phases" not in repr(path)  # thousands of rows say nothing in a message
 
 
-def test_integers_are_numbers_too():
-    whole = transient(PAPER, MOTION, 1, x=0, v=0, z=0, start=0)
-    assert whole.phases.tobytes() == transient(PAPER, MOTION, 1.0).phases.tobytes()
-
-
-def test_a_path_continued_is_the_path_itself():
-    whole = transient(PAPER, MOTION, END, x=0.01)
-    middle = 0.4321 * END
-    at = whole.state(middle)
-    rest = transient(PAPER, MOTION, END, x=float(at.x), v=float(at.v), z=float(at.z), start=middle)
-    t = np.linspace(middle, END, 100)
-    for one, other in zip(whole.state(t), rest.state(t), strict=True):
-        # a state read off and started from again is rounded once
-        np.testing.assert_allclose(other, one, rtol=0, atol=1e-12 * np.abs(one).max())
-
-
-def test_shape_of_times():
-    path = transient(PAPER, MOTION, END)
-    for t in (0.1, [0.1], np.full((2, 3), 0.2), np.zeros((0, 2))):
-        state = path.state(t)
-        assert isinstance(state, State)
-        assert all(value.shape == np.shape(t) for value in state)
-
-
-def random_path(zeta, r, K, F, x, v, z):
-    oscillator, motion = case(zeta, r, K, F)
-    start = {"x": 3 * motion.Y * x, "v": 3 * motion.Y * motion.omega * v, "z": oscillator.Z_m * z}
-    return transient(oscillator, motion, 2.0 * motion.period, **start)
-
-
-ranges = drawn((1e-3, 5.0), (0.1, 5.0), (0.01, 1e3), (1e-3, 3.0))
-
-
-@settings(max_examples=80)
-@given(*ranges, unit, unit, st.one_of(unit, st.sampled_from([-1.0, 0.0, 1.0])))
+@settings(max_examples=60)
+@given(
+    *drawn((1e-3, 5.0), (0.1, 5.0), (0.01, 1e3), (1e-3, 3.0)),
+    unit,
+    unit,
+    st.one_of(unit, st.sampled_from([-1.0, 0.0, 1.0])),
+)
 # both limits of the spring within a third of a radian
 @example(1.0, 1.0, 1.0, math.exp(-5.0), -1.0, -0.125, 0.0)
 def test_rules_of_the_contact(zeta, r, K, F, x, v, z):
-    path = random_path(zeta, r, K, F, x, v, z)
-    o, motion, phases = path.oscillator, path.motion, path.phases
-    Z_m = o.Z_m
+    o, motion = case(zeta, r, K, F)
+    start = {"x": 3 * motion.Y * x, "v": 3 * motion.Y * motion.omega * v, "z": o.Z_m * z}
+    path = transient(o, motion, 2.0 * motion.period, **start)
+    phases, Z_m = path.phases, o.Z_m
     assert np.all(np.diff(phases[:, PHASE_T]) >= 0.0)
     assert set(phases[:, PHASE_S]) <= {-1.0, 0.0, 1.0}
     # one phase ends where the next begins; no two phases of the same state follow each other
@@ -90,18 +62,6 @@ def test_rules_of_the_contact(zeta, r, K, F, x, v, z):
     forces = o.m * state.acceleration + o.c * state.v + o.k * state.x + o.K_z * state.z
     size = o.k * (motion.Y + np.abs(state.x).max()) + o.c * np.abs(state.v).max() + o.F_k
     np.testing.assert_allclose(forces, o.k * motion.y(t), rtol=0, atol=1e-13 * size)
-
-
-def test_without_excitation_worth_the_name_the_energy_falls():
-    # Y tiny: a free decay; the mechanical energy of mass, spring and contact spring never grows
-    o = Oscillator(m=1.0, c=0.05, k=1.0, K_z=20.0, F_k=0.1)
-    path = transient(o, BaseMotion(Y=1e-18, omega=1.0), 40.0, x=1.0)
-    state = path.state(np.linspace(0.0, 40.0, 4000))
-    energy = 0.5 * (o.m * state.v**2 + o.k * state.x**2 + o.K_z * state.z**2)
-    assert np.all(np.diff(energy) <= 1e-15)
-    # it ends held by the contact, within F_k/k of the middle
-    assert path.phases[-1, PHASE_S] == 0.0
-    assert abs(state.x[-1]) < o.F_k / o.k
 
 
 def test_many_events():
@@ -140,37 +100,25 @@ def test_starts_at_the_limit_of_the_spring(z):
     assert still.phases[0, PHASE_S] == (1.0 if z > 0.0 else 0.0)
 
 
-REFUSED = [
-    *(({name: math.nan}, f"^{name} must be a number of .*, got nan") for name in ("x", "end")),
-    *(
-        ({"z": factor * PAPER.Z_m}, r"^z must lie within ±Z_m = ±6\.15385e-06 m, got ")
-        for factor in (1.0 + 1e-12, -1.1, 1e6)
-    ),
-    *(
-        ({"start": 1.0, "end": end}, rf"^end must be later than start = 1\.0, got {end}$")
-        for end in (1.0, 0.5, -3.0)
-    ),
-]
-
-
-@pytest.mark.parametrize(("given", "message"), REFUSED, ids=str)
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"x": math.nan}, "^x must be a number of .*, got nan"),
+        ({"end": math.nan}, "^end must be a number of .*, got nan"),
+        ({"z": (1.0 + 1e-12) * PAPER.Z_m}, r"^z must lie within ±Z_m = ±6\.15385e-06 m, got "),
+        ({"z": -1.1 * PAPER.Z_m}, "^z must lie within"),
+        ({"start": 1.0, "end": 1.0}, r"^end must be later than start = 1\.0, got 1\.0$"),
+    ],
+    ids=str,
+)
 def test_states_and_spans_that_make_no_sense_are_refused(given, message):
     with pytest.raises(ValueError, match=message):
         transient(PAPER, MOTION, **{"end": END, **given})
 
 
-@pytest.mark.parametrize(
-    ("t", "message"),
-    [
-        *(
-            (t, r"^times must lie within \[0\.0, 0\.6")
-            for t in (-1e-9, END * (1.0 + 1e-9), [0.1, -0.1])
-        ),
-        ([0.1, 2.0 * END], r"^times must lie within \[0\.0, 0\.6"),
-        (math.nan, "^t must be a number of s, .*, got nan"),
-        (math.inf, "^t must be a number of s, .*, got inf"),
-    ],
-)
-def test_times_outside_the_path_are_refused(t, message):
-    with pytest.raises(ValueError, match=message):
+@pytest.mark.parametrize("t", [-1e-9, END * (1.0 + 1e-9), [0.1, -0.1], math.nan])
+def test_times_outside_the_path_are_refused(t):
+    with pytest.raises(
+        ValueError, match=r"^times must lie within \[0\.0, 0\.6|^t must be a number of s"
+    ):
         transient(PAPER, MOTION, END).state(t)
