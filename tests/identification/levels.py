@@ -35,10 +35,10 @@ def identified(readings, **options):
     return identify_readings(readings, PAPER.k, **options)
 
 
-def measured(levels=(0.004, 0.008, 0.012), hz=3.5, **options):
+def measured(levels=(0.004, 0.008, 0.012), hz=3.5, osc=PAPER, **options):
     """A record of each level, whose noise has the seed 0, 1 …"""
     options = {"rate_hz": 1000.0, "cycles": 20.0, "noise": 0.01, "channels": THREE[:2]} | options
-    orbits = orbits_at(hz, levels)
+    orbits = orbits_at(hz, levels, osc)
     return [measured_orbit(orbit, **{"seed": i, **options}) for i, orbit in enumerate(orbits)]
 
 
