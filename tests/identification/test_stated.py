@@ -107,19 +107,23 @@ def test_a_mass_within_the_uncertainty_of_the_stiffness_contradicts_nothing():
     assert low < PAPER.F_k < high
 
 
-@pytest.mark.parametrize("records", [forced, free])
-def test_a_report_says_once_on_what_its_numbers_depend(records):
-    words = "All numbers are conditional on the stiffness and the gains"
-    for given, asked in (
-        ({}, ("2310 ± 1 %", "--mass")),
-        ({"mass": (PAPER.m, 0.0)}, ("2310 ± 1 %",)),
-        ({"stiffness": "2310±10"}, ("--mass",)),
-        ({"stiffness": "2310+-10", "mass": (PAPER.m, 0.0)}, ()),
-    ):
-        report = identify(records(), **{"stiffness": 2310.0, **given}).text()
-        assert report.count(words) == bool(asked)
-        hint = report.partition(words)[2].partition("\n")[0]
-        assert [one for one in ("2310 ± 1 %", "--mass") if one in hint] == [*asked]
+@pytest.mark.parametrize(
+    ("given", "asked"),
+    [
+        ({"stiffness": 2310.0}, ["2310 ± 1 %", "--mass"]),
+        ({"stiffness": 2310.0, "mass": (PAPER.m, 0.0)}, ["2310 ± 1 %"]),
+        ({"stiffness": "2310±10"}, ["--mass"]),
+        ({"stiffness": "2310+-10", "mass": (PAPER.m, 0.0)}, []),
+    ],
+)
+def test_a_report_says_once_on_what_its_numbers_depend(given, asked):
+    words, report = (
+        "All numbers are conditional on the stiffness",
+        identify(forced(), **given).text(),
+    )
+    assert report.count(words) == bool(asked)
+    hint = report.partition(words)[2].partition("\n")[0]
+    assert [one for one in ("2310 ± 1 %", "--mass") if one in hint] == asked
 
 
 def of_no_oscillator(errors=None):

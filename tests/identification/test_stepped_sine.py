@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import runpy
 
@@ -17,11 +16,10 @@ from dampbalance import (
     identify_joint,
     measured_ring_down,
     read_records,
-    steady_orbits,
 )
 from dampbalance.fit.contacts import fit_contact
 from dampbalance.fit.select import CLEAR
-from dampbalance.identification.outputs import TABLES, outputs_of
+from dampbalance.identification.outputs import outputs_of
 from dampbalance.identification.stepped_sine import damping_at
 from dampbalance.law.contact import Sliders
 from dampbalance.records.synthetic import stepped_sine
@@ -110,23 +108,11 @@ def test_the_rows_are_the_balance(one):
 
 def test_a_damping_that_may_be_zero_is_an_upper_limit():
     """Near the resonance it trades with the friction, which is known closely: no more of it could hide."""
-    osc = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=23_100.0, F_k=1.28)
-    hertz, Y = np.linspace(5.5, 6.5, 17), np.array([[1e-3], [1.5e-3], [2e-3]])
-    orbits = steady_orbits(osc, Y=Y, omega=2.0 * math.pi * hertz)
-    noise = 0.01 * np.random.default_rng(12).normal(size=(2, orbits.X_1.size))
-    lines = {
-        "frequency_hz": np.tile(hertz, 3),
-        "base_displacement_m": np.repeat(Y, hertz.size),
-        "displacement_m": orbits.X_1.ravel() * (1.0 + noise[0]),
-        "phase_rad": -orbits.phi_1.ravel() + noise[1],
-        "level": np.repeat(Y, hertz.size),
-    }
-    found = identify_joint(lines, stiffness=2310.0, contact="one slider", hardening=False)
-    covariance = found.answer.covariance
-    assert np.isfinite(covariance).all()
-    np.testing.assert_allclose(
-        np.sqrt(np.diag(covariance)), [*found.standard_errors.values()], rtol=1e-12
-    )
+    options = {"amplitudes": AMPLITUDES[2:], "frequencies_hz": HZ, "noise": 0.01, "seed": 1}
+    lines = stepped_sine(OSCILLATOR | {"c": 0.0}, ONE, **options)
+    found = identify_joint(lines, contact="one slider", hardening=False)
+    errors = np.sqrt(np.diag(found.answer.covariance))
+    np.testing.assert_allclose(errors, [*found.standard_errors.values()], rtol=1e-12)
     verdict = found.verdicts["c"]
     assert verdict.verdict == "usable"
     assert [one.code for one in verdict.findings] == ["upper limit"]
@@ -143,20 +129,18 @@ def test_a_level_is_its_line_nearest_to_resonance(one):
 def test_everything_of_an_identification_is_there(found, tmp_path):
     files = found.save(tmp_path)
     assert {file.name for file in files} == {*outputs_of("stepped-sine")}
-    document = json.loads((tmp_path / TABLES[0]).read_text(encoding="utf-8"))
+    document = found.document()
     assert document["answer"] == next(iter(found.approaches)) == document["comparison"]["supported"]
     own = document["approaches"][document["answer"]]
     assert own["F_k_N"] == found.values["F_k"]
     assert len(own["rows"]["W_J"]) == len(own["rows"]["frequency_Hz"]) == 55
-    assert document["damping"]["damping_ratio"] == pytest.approx(
-        found.values["c"] / (2.0 * math.sqrt(found.k * own["m_kg"])), rel=1e-12
-    )
+    zeta = found.values["c"] / (2.0 * math.sqrt(found.k * own["m_kg"]))
+    assert document["damping"]["damping_ratio"] == pytest.approx(zeta, rel=1e-12)
     assert "its phases are those by which the acceleration leads the force" in found.text()
     for name in ("loss", "stiffness"):
         (axes,) = found.plot(name)
-        points = [line for line in axes.get_lines() if line.get_marker() == "."]
-        assert sum(len(line.get_xdata()) for line in points) == 55
-        assert len(axes.collections) == 2  # bands
+        points = [len(of.get_xdata()) for of in axes.get_lines() if of.get_marker() == "."]
+        assert (sum(points), len(axes.collections)) == (55, 2)  # lines, and bands of both laws
         pyplot.close(axes.figure)
 
 
@@ -207,9 +191,8 @@ def test_two_levels_do_not_tell_whether_one_slider_is_enough():
 
 
 def test_a_contact_asked_for_alone_is_doubtful_where_whole_levels_depart_from_it():
-    for sliders, verdict in ((ONE, "usable"), (MANY, "doubtful")):
-        found = identify(table(sliders), contact="one slider")
-        assert {of.verdict for of in found.verdicts.values()} == {verdict}
+    found = identify(table(MANY), contact="one slider")
+    assert {of.verdict for of in found.verdicts.values()} == {"doubtful"}
 
 
 def test_no_contact_that_slips_is_an_answer_too():
@@ -262,9 +245,8 @@ def test_a_stiffness_that_is_stated_is_tested_by_the_lines(sliders, answer, by):
 
 
 def test_a_stated_uncertainty_of_the_stiffness_counts():
-    stated = 1.05 * OSCILLATOR["k"]
-    for error, verdict in ((0.001, "doubtful"), (0.05, "usable")):
-        found = identify(table(), (stated, error * stated), contact="one slider")
+    for error, verdict in ((200.0, "doubtful"), (9e3, "usable")):
+        found = identify(table(), (1.05 * OSCILLATOR["k"], error), contact="one slider")
         assert found.verdicts["K_z"].verdict == verdict
 
 
@@ -290,7 +272,7 @@ def test_tables_of_one_level_each_make_one_identification():
 
 
 SWING = measured_ring_down(
-    Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5), x=0.012, rate_hz=1000.0, duration=2.0
+    Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5), x=0.012, rate_hz=500.0, duration=2.0
 )
 
 
@@ -301,7 +283,6 @@ SWING = measured_ring_down(
         (table(), {"given": {"F_k": 1.0}}, "F_k depends on the amplitudes.*cannot be given"),
         (table(), {"contact": "two"}, "contact must be one of both, one slider, gradual"),
         ([table(), SWING], {}, "is no table of a stepped sine: identify it separately"),
-        (SWING, {"kind": "stepped-sine"}, "is no table of a stepped sine: identify it separately"),
         (read_records(table()), {"kind": "forced", "stiffness": 1.0}, "is a table of a stepped sine: identify it"),
         (SWING, {}, "stiffness .* is missing: free decays need it"),
     ],
