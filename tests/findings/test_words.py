@@ -16,6 +16,7 @@ from rooms import PACKAGE
 from toys import TOY
 
 SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
+SAME_NAME = ["one/a.csv", "two/a.csv", "three/b.csv"]
 MANY = [f"{i}.csv" for i in range(20)]
 TOYS = {
     "drift": ("drifts by {by:g %} in {t:.0f s}", "let it warm up"),
@@ -32,64 +33,42 @@ def toys(monkeypatch):
         monkeypatch.setitem(SENTENCES, code, Sentence(*words))
 
 
-def drift(by, i):
-    return Finding("drift", {"by": by, "t": 20.0}, of=SOURCES[i])
+def drift(by, of=""):
+    return Finding("drift", {"by": by, "t": 20.0}, of=of)
 
 
 def toy(quantity, of="", **more):
     return Finding("toy", {"quantity": quantity, "X": 2e-3, **more}, of=of)
 
 
-def worse(times, i):
-    return Finding("worse", {"times": times}, of=SOURCES[i])
+def worse(times, of):
+    return Finding("worse", {"times": times}, of=of)
 
 
-@pytest.mark.parametrize(
-    ("make", "of", "sources", "sentences"),
-    [
-        (
-            drift,
-            [(0.035, 0), (1e-7, 1), (-0.02, 2)],
-            SOURCES,
-            ["all 3 records: drifts by −2 to 3.5 % in 20 s; let it warm up"],
-        ),
-        (
-            toy,
-            [("force", SOURCES[0]), ("acc{2}", SOURCES[0])],
-            SOURCES,
-            [f"a.csv: {q} is 2 mm off, of no delay" for q in ("force", "acc{2}")],
-        ),
-        (
-            worse,
-            [(450.2, 0), (3883747.0, 1), (12.4, 2)],
-            SOURCES,
-            ["all 3 records: 12 to more than 1000 times worse"],
-        ),
-        (
-            toy,
-            [("x", "one/a.csv"), ("x", "two/a.csv")],
-            ["one/a.csv", "two/a.csv", "three/b.csv"],
-            ["one/a.csv and two/a.csv: x is 2 mm off, of no delay"],
-        ),
-        (
-            toy,
-            [("x", s) for s in MANY[:9]],
-            MANY,
-            ["9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): x is 2 mm off, of no delay"],
-        ),
-    ],
-    ids=["all", "different", "a factor", "one name", "many"],
-)
-def test_the_same_finding_on_several_records_is_one_sentence_with_its_range(
-    make, of, sources, sentences
-):
-    found = grouped([make(*each) for each in of])
-    assert [in_a_sentence(group, sources, TRANSLATION) for group in found] == sentences
+def said(make, numbers, sources):
+    """The sentences on findings of the first of the records, one of each."""
+    found = grouped(map(make, numbers, sources))
+    return [in_a_sentence(group, sources, TRANSLATION) for group in found]
+
+
+def test_the_same_finding_on_several_records_is_one_sentence_with_its_range():
+    drifts = "drifts by {} to 3.5 % in 20 s; let it warm up"
+    assert said(drift, (0.035, 1e-7), SOURCES) == ["a.csv and b.csv: " + drifts.format("1·10⁻⁵")]
+    assert said(drift, (0.035, 1e-7, -0.02), SOURCES) == ["all 3 records: " + drifts.format("−2")]
+    (factors,) = said(worse, (450.2, 3883747.0, 12.4), SOURCES)
+    assert factors == "all 3 records: 12 to more than 1000 times worse"
+    off = "x is 2 mm off, of no delay"
+    assert said(toy, "xx", SAME_NAME) == [f"one/a.csv and two/a.csv: {off}"]
+    some = "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …)"
+    assert said(toy, "x" * 9, MANY) == [f"{some}: {off}"]
+    different = said(toy, ("x", "acc{2}"), SOURCES)
+    assert different == [f"a.csv: {off}", f"b.csv: {off.replace('x', 'acc{2}', 1)}"]
 
 
 def test_a_rotation_has_its_units_nouns_and_symbols_and_names_of_records_stay():
     name = "F_k of 3 N.csv"
-    words = in_a_sentence([toy("base_displacement", name, late=(2e-6, 1e-7))], [name], ROTATION)
+    late = toy("base_displacement", name, late=(2e-6, 1e-7))
+    words = in_a_sentence([late], [name], ROTATION)
     assert words == f"{name}: base_angle is 2 mrad off, of 2.00 ± 0.10 µs delay"
     numbers = {
         "what": "force of 3 N",  # a name
@@ -107,8 +86,8 @@ def test_a_rotation_has_its_units_nouns_and_symbols_and_names_of_records_stay():
 def test_a_finding_has_effects_survives_a_process_boundary_and_has_a_sentence():
     one = Finding("drift", {"by": 1.0, "t": 1.0}, {"": 0.1, "c": math.nan})
     assert (one.shift("F_k"), one.shift("c"), one.largest) == (0.1, math.inf, math.inf)
-    assert drift(1.0, 0).largest == 0.0
-    assert pickle.loads(pickle.dumps(drift(0.02, 1))) == drift(0.02, 1)
+    assert drift(1.0).largest == 0.0
+    assert pickle.loads(pickle.dumps(drift(0.02))) == drift(0.02)
     with pytest.raises(KeyError, match="nobody"):
         Finding("nobody")
 

@@ -82,15 +82,10 @@ FORCED = {
         "Zeit/s;Weg Tisch/mm;Beschleunigung/g", (TIME, BASE, ("acceleration", 1 / G)), ";", ","
     ),
     "LabVIEW": Export(LVM, (TIME, BASE, ("acceleration", 1.0)), "\t", suffix="lvm"),
-    "data acquisition": Export(
-        "Scan,Elapsed Time (s),Temperature (degC),Status,Table displacement (mm),Mass acceleration (m/s^2)",
-        (("number", 1.0), TIME, ("temperature", 1.0), ("status", 1.0), BASE, ("acceleration", 1.0)),
-    ),
     "accelerometer and LVDT": Export(
         "t (ms),Base (g),Relativweg (mm)",
         (("time", 1e3), ("base_acceleration", 1 / G), ("relative_displacement", 1e3)),
     ),
-    "units in a row": Export("Time\tBase\tResponse\n[s]\t[mm]\t[mm]", (TIME, BASE, MASS), "\t"),
     "sensors": Export(
         "Model,MSO24\n\nRecord Length,5714\n\nTime,Temp,Status,Sensor A,Sensor B,Sensor C",
         (TIME, ("temperature", 1.0), ("status", 1.0), BASE, MASS, ("velocity", 1.0)),

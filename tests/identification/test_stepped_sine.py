@@ -83,11 +83,6 @@ def test_many_sliders_are_found_where_one_is_not_enough(many):
     off = np.abs(np.pi * X**2 * Z.imag - exact) / (np.pi * X**2 * reach.imag)
     assert off.max() < 3.0
     assert np.mean(off < 1.5) > 0.8
-    at = np.array(AMPLITUDES)
-    loss = np.pi * at**2 * many.basis.fits["gradual"].law(at, omega)[0].imag
-    exact = MANY.loss(at) + np.pi * omega * OSCILLATOR["c"] * at**2
-    # 0.3 % of force and phase near the resonance, and c alone at the lowest
-    np.testing.assert_allclose(loss, exact, rtol=0.03)
 
 
 def test_the_rows_are_the_balance(one):
@@ -240,25 +235,15 @@ def test_a_stiffness_that_is_stated_is_tested_by_the_lines(sliders, answer, by):
     if by < 1.0:
         assert doubted["one slider"] == ["stiffness differs"] * 3
         free = identify(table(sliders), contact="gradual")
-        for symbol, value in free.values.items():
-            assert found.values[symbol] == pytest.approx(value, rel=1e-3)
+        assert found.values == pytest.approx(free.values, rel=1e-3)
+        of, stuck = (one.basis.fits["gradual"] for one in (free, found))
+        assert stuck.stuck == pytest.approx(of.value("k") - stated, rel=1e-3)
 
 
 def test_a_stated_uncertainty_of_the_stiffness_counts():
     for error, verdict in ((200.0, "doubtful"), (9e3, "usable")):
         found = identify(table(), (1.05 * OSCILLATOR["k"], error), contact="one slider")
         assert found.verdicts["K_z"].verdict == verdict
-
-
-def test_a_contact_that_sticks_is_none_that_slips():
-    """A stiffness that is stated as 2,310 N/m, and is 189,000: K_z and F_k are those of the sliders that slip."""
-    lines = EXAMPLE / "levels.csv"
-    free, held = (identify(lines, k, contact="gradual") for k in (None, 2310.0))
-    for symbol, value in free.values.items():
-        assert held.values[symbol] == pytest.approx(value, rel=1e-3)
-    of, stuck = (one.basis.fits["gradual"] for one in (free, held))
-    assert stuck.stuck == pytest.approx(of.value("k") - 2310.0, rel=1e-3)
-    assert "natural frequency of 49.00 Hz" in held.text()
 
 
 def test_tables_of_one_level_each_make_one_identification():

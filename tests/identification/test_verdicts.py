@@ -201,32 +201,20 @@ def test_names_in_a_row_and_factors_in_words():
     assert factors == ["1.4 times", "100 times", "450 times", "more than 1000 times"]
 
 
-def read(source, **clipped):
-    """A reading of channels that are clipped in these parts of their cycles."""
+def read(source, stick=0.0, **clipped):
+    """A reading of a stick distance, of channels that are clipped in these parts of their cycles."""
     channels = {quantity: SimpleNamespace(clipped=part) for quantity, part in clipped.items()}
-    return SimpleNamespace(steady=SimpleNamespace(source=source, channels=channels))
+    steady = SimpleNamespace(source=source, channels=channels)
+    return SimpleNamespace(steady=steady, stick_travel=stick)
 
 
 def test_an_onset_that_is_not_known_moves_F_k_by_half_of_the_stick():
-    """Of records that are not symmetric, too, whose largest displacement says nothing of their range."""
     rows = Rows({"F_k": np.array([2.0, 4.0])}, 1.28 * np.array([2.0, 4.0]))
-    answer = replace(
-        SOUND,
-        parameters={"F_k": SOUND.parameters["F_k"]},
-        balance=Balance(rows, np.array([0.1, 0.2]), ("a", "b")),
-    )
-    readings = [
-        SimpleNamespace(
-            steady=SimpleNamespace(channels={}, source=name),
-            stick_travel=share * range_,
-            averaged_cycle=lambda: {"x": np.array([0.9, -0.1])},
-        )
-        for name, share, range_ in (("a", 0.1, 2.0), ("b", 0.1, 4.0))
-    ]
-    common = SimpleNamespace(
-        frictionless=False, stuck=None, waveforms_hold=False, fit=TOY, answer=SOUND, in_rows=False
-    )
-    (note,) = notes_on(answer, readings, common)
+    balance = Balance(rows, np.array([0.1, 0.2]), ("a", "b"))
+    answer = replace(SOUND, parameters={"F_k": SOUND.parameters["F_k"]}, balance=balance)
+    common = {"frictionless": False, "stuck": None, "waveforms_hold": False, "in_rows": False}
+    common = SimpleNamespace(**common, fit=TOY, answer=SOUND)
+    (note,) = notes_on(answer, [read("a", 0.2), read("b", 0.4)], common)
     assert note.effect["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
 
 
