@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 import pytest
+import yaml
 
 from dampbalance import RecordError, identify, identify_friction_speed, read_records
-from dampbalance.commands.main import main
 from dampbalance.identification.outputs import outputs_of
+from dampbalance.records.readers import mapping_to_start_from
 from fit.test_friction_speed import NOISE, TRUE, table
 
 
@@ -62,7 +63,7 @@ def test_a_table_is_recognised_and_its_friction_usable(tmp_path):
 )
 def test_columns_and_units_of_rotations_and_translations(tmp_path, head, by_v, by_F, unit):
     of = columns(2, *head, by_v, by_F)
-    path, mapping = str(tmp_path / "table.csv"), tmp_path / "draft.yaml"
+    path = tmp_path / "table.csv"
     np.savetxt(
         path, [*zip(*of.values(), strict=True)], "%.9g", ",", header=",".join(of), comments=""
     )
@@ -70,15 +71,8 @@ def test_columns_and_units_of_rotations_and_translations(tmp_path, head, by_v, b
     assert found.coordinate.unit("N") == unit
     for symbol, value in identify(columns(2)).values.items():
         assert found.values[symbol] == pytest.approx(value, rel=1e-6)
-    assert main(["identify", path, "--write-mapping", str(mapping)]) == 0
-    assert identify(path, mapping=mapping).values == found.values
-
-
-def test_the_order_of_the_rows_and_their_files_do_not_matter():
-    order, whole = np.random.default_rng(3).permutation(120), columns(3)
-    parts = [{name: of[own] for name, of in whole.items()} for own in np.split(order, 2)]
-    found = identify(parts, kind="friction-speed").values
-    assert found == pytest.approx(identify(whole).values, rel=1e-9)
+    draft = yaml.safe_load(mapping_to_start_from(str(path)))
+    assert identify(path, mapping=draft).values == found.values
 
 
 def test_a_column_of_standard_errors_weights_the_rows():
@@ -102,7 +96,11 @@ def test_friction_that_falls_with_the_speed_or_is_rounded_at_rest_is_taken_and_s
     holds(rounded, "F_k", "c", v_0_in_m_per_s=0.03)
 
 
-def test_one_direction_leaves_friction_and_offset_one_number():
+def test_one_direction_or_one_size_of_speed_leaves_two_of_them_one_number():
+    v = np.tile([0.1, -0.1], 6)
+    one = stated(v, 1.2 * np.sign(v) + 0.01 * np.random.default_rng(8).normal(size=12))
+    assert one.values["F_k"] == pytest.approx(1.2, abs=0.01)
+    assert one.verdicts["c"].verdict == "none"
     v, F = (of[:60] for of in table(7))
     found = stated(v, F)
     assert [found.verdicts[s].verdict for s in ("F_k", "c")] == ["none", "usable"]
@@ -113,14 +111,6 @@ def test_one_direction_leaves_friction_and_offset_one_number():
     assert found.sensitivities()[1]["drive_gain_1_percent"] == pytest.approx({"c": 0.01})
     for other in (F - 5.0, -F):  # lifted, and turned
         assert stated(v, other).values["c"] == pytest.approx(found.values["c"], rel=1e-6)
-
-
-def test_one_size_of_speed_leaves_friction_and_damping_one_number():
-    v = np.tile([0.1, -0.1], 6)
-    F = 1.2 * np.sign(v) + 0.01 * np.random.default_rng(8).normal(size=12)
-    found = stated(v, F)
-    assert found.values["F_k"] == pytest.approx(1.2, abs=0.01)
-    assert found.verdicts["c"].verdict == "none"
 
 
 def test_a_reversed_sign_rows_at_rest_and_another_law_are_said():

@@ -10,8 +10,7 @@ import pytest
 from scipy import stats
 from scipy.integrate import solve_ivp
 
-from blind import truths as blind
-from blind.records import records
+from blind.truths import DRIVES
 from dampbalance.fit.errors import jackknifed
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.answer import REFERENCE
@@ -24,7 +23,7 @@ from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 from dampbalance.solver import NORMAL_95, solve
 from fit.sampled import covariance, noise_of_rms
-from identification.levels import SYMBOLS, THREE, close, identified, read
+from identification.levels import SYMBOLS, THREE, close, identified, integrated, read
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 
 
@@ -232,24 +231,12 @@ def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
 # --- records by code that is not ours ------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("hz", "driven_by"), [*zip(FREQUENCIES_HZ.values(), blind.DRIVES, strict=True)]
-)
+@pytest.mark.parametrize(("hz", "driven_by"), [*zip(FREQUENCIES_HZ.values(), DRIVES, strict=True)])
 def test_records_of_an_independent_integrator(hz, driven_by):
-    truth = replace(
-        blind.draw(0),
-        **{name: getattr(PAPER, name) for name in ("m", "c", "k", "K_z", "F_k")},
-        Y=(0.004, 0.008, 0.012),
-        omega=2.0 * math.pi * hz,
-        drive=driven_by,
-        cycles=(20.0,) * 3,
-        start=(0.0, 0.3, 0.6),
-        rate_hz=1000.0 + 1500.0 * (hz > 10.0),
-        answers=("displacement", "acceleration"),
-        noise=0.002,
-        equal=False,
-    )
-    direct = identified([read_features(of, PAPER.k) for of in records(truth)]).estimates["direct"]
+    options = {"answers": ("displacement", "acceleration"), "noise": 0.002, "drive": driven_by}
+    options["rate_hz"] = 2500.0 if hz > 10.0 else 1000.0
+    records = integrated((0.004, 0.008, 0.012), hz, **options)
+    direct = identified([read_features(of, PAPER.k) for of in records]).estimates["direct"]
     assert close(direct, PAPER)
     for symbol, error in direct.standard_errors.items():
         assert error < 0.01 * getattr(PAPER, symbol)

@@ -7,16 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, identify, identify_loops, read_records, steady_orbit
+from dampbalance import BaseMotion, Oscillator, identify, identify_loops, steady_orbit
 from dampbalance.fit.loop_design import Design
 from dampbalance.fit.loops import slider
 from dampbalance.identification import loops
-from dampbalance.identification.loops import (
-    friction_coefficient,
-    loop_contact,
-    loop_history,
-    loop_sliders,
-)
 from dampbalance.identification.outputs import outputs_of
 from dampbalance.law.contact import play
 from dampbalance.records.channel import Channel
@@ -80,13 +74,17 @@ def codes(found):
     return [one.code for one in found.answer.notes]
 
 
-def test_loops_are_recognised_by_force_and_displacement_without_a_stiffness(tmp_path):
-    found = identify(table())
-    assert found.options["kind"] == "loops"
-    holds(found, F_k=F_K, K_z=K_Z)
-    near(found, c=C)
-    assert {path.name for path in found.save(tmp_path)} == {*outputs_of("loops")}
-    assert found.document()["history"]["X_m"][0] == pytest.approx(X, rel=1e-3)
+@pytest.fixture(scope="module")
+def sound():
+    return identify(table())
+
+
+def test_loops_are_recognised_by_force_and_displacement_without_a_stiffness(sound, tmp_path):
+    assert sound.options["kind"] == "loops"
+    holds(sound, F_k=F_K, K_z=K_Z)
+    near(sound, c=C)
+    assert {path.name for path in sound.save(tmp_path)} == {*outputs_of("loops")}
+    assert sound.document()["history"]["X_m"][0] == pytest.approx(X, rel=1e-3)
 
 
 # --- levels, cycles, and what has no times ---------------------------------------------------------
@@ -147,25 +145,17 @@ def test_a_motion_whose_mean_drifts_by_more_than_its_amplitude_has_none(drift, k
             assert math.isnan(shown[key]) != known
 
 
-def test_what_loops_lack_is_asked_for(tmp_path):
-    with pytest.raises(ValueError, match="what do the columns"):
-        identify(written(tmp_path, "", SINE, np.sin(5.1 * np.pi * T)))  # does not go round
-    file = untimed(tmp_path, SINE, loop().f)
+def test_times_are_asked_for_where_a_motion_needs_them(tmp_path):
     with pytest.raises(ValueError, match="has no times, which forced records need"):
-        identify(file, stiffness=2310.0)
-    late = {"channel": 2, "unit": "kN", "delay": 1e-3}
-    channels = {"displacement": {"channel": 1, "unit": "mm"}, "force": late}
-    with pytest.raises(ValueError, match="'force' needs it: say sample_rate_hz"):
-        read_records(file, mapping={"channels": channels})
+        identify(untimed(tmp_path, SINE, loop().f), stiffness=2310.0)
 
 
-@pytest.mark.parametrize("cycles", [1, 4])
-def test_few_cycles_have_their_levels_and_no_fit(cycles, tmp_path):
-    x = SINE[: 500 * cycles + 1]
+def test_few_cycles_have_their_levels_and_no_fit(tmp_path):
+    x, cycles = SINE[:2001], 4
     found = identify(untimed(tmp_path, x, K_Z * stepped(x, F_K / K_Z)), normal_force=20.0)
     assert codes(found) == ["few loops"]
     assert found.no_answer
-    history = loop_history(found)
+    history = loops.loop_history(found)
     assert len(history) == len(found.rows) == cycles
     # a quarter of the first cycle is that from rest: half of the stick distance less is travelled
     np.testing.assert_allclose(history["W_J"][1:], LOSS, rtol=2e-3)
@@ -179,7 +169,7 @@ def test_rest_drift_and_skipped_cycles(tmp_path):
         file = untimed(tmp_path, x, K_Z * stepped(x, F_K / K_Z) + noise(7, size=x.size))
         found = identify(file, skip_cycles=skipped)
         near(found, F_k=F_K, K_z=K_Z)
-        cycles = loop_history(found)
+        cycles = loops.loop_history(found)
         assert cycles["cycle"].iloc[0] == 1 + skipped
         np.testing.assert_allclose(cycles["W_J"][1:], LOSS, rtol=0.04)
     with pytest.raises(ValueError, match=r"complete cycles, .* and 41 are needed"):
@@ -192,7 +182,7 @@ def test_the_history_follows_friction_and_stiffness_that_fall():
     for part, dx in zip(fall, np.diff(SINE, prepend=0.0), strict=True):
         z = min(max(z + K_Z * part * dx, -F_K * part), F_K * part)
         force.append(z)
-    history = loop_history(identify_loops(in_time(SINE, np.array(force))))
+    history = loops.loop_history(identify_loops(in_time(SINE, np.array(force))))
     assert math.isnan(history["F_k_N"].iloc[0])  # what the contact held before is not known
     for name in ("F_k_N", "K_z_N_per_m"):
         of = history[name].to_numpy()
@@ -205,7 +195,7 @@ def test_the_history_follows_friction_and_stiffness_that_fall():
 
 def test_the_friction_coefficient_has_the_uncertainties_of_both_forces():
     found = identify_loops(table(), normal_force=(20.0, 1.0))
-    mu, (low, high) = friction_coefficient(found)
+    mu, (low, high) = loops.friction_coefficient(found)
     assert mu == pytest.approx(0.5, rel=0.01)
     assert 0.5 * (high - low) == pytest.approx(1.96 * 0.5 / 20.0, rel=0.05)  # that of N dominates
 
@@ -219,10 +209,10 @@ def test_a_channel_of_the_normal_force_gives_the_friction_coefficient_of_each_cy
     force = table(c=0.0)["force_N"] * N / 20.0
     head = "t (s),x (m),Friction (N),Normal (N)"
     found = identify(written(tmp_path, head, T, SINE, force, N))
-    mu, (low, high) = friction_coefficient(found)
+    mu, (low, high) = loops.friction_coefficient(found)
     assert low < 0.5 < high
     assert mu == pytest.approx(0.5, rel=0.01)
-    mu = loop_history(found)["friction_coefficient"]
+    mu = loops.loop_history(found)["friction_coefficient"]
     # the spring in parallel and the offset grow with N here, and are not friction: 3 % of F_k
     assert mu.min() == pytest.approx(0.5, rel=0.03) == mu.max()
 
@@ -238,11 +228,11 @@ def at_two_loads(mu=None):
 
 def test_records_at_two_normal_loads_share_a_friction_coefficient():
     found = identify_loops([*at_two_loads(mu=0.5)])
-    (low, high), mu = found.intervals["F_k"], friction_coefficient(found)
+    (low, high), mu = found.intervals["F_k"], loops.friction_coefficient(found)
     assert low < 9.5 < high < low + 0.1  # that at the mean normal force
     assert mu[1].low < 0.5 < mu[1].high
     assert "F_k is that at N = 19" in found.text()
-    cycles = loop_history(found).groupby("record")["F_k_N"].mean()
+    cycles = loops.loop_history(found).groupby("record")["F_k_N"].mean()
     np.testing.assert_allclose(cycles, [9.0, 10.0], rtol=0.01)
     near(found, c=0.0, K_z=K_Z)
 
@@ -266,9 +256,9 @@ def test_a_fixture_in_series_makes_the_contact_look_softer():
     assert 1.0 / (1.0 / stiff.values["K_z"] + 1.0 / 2e5) == pytest.approx(K_Z, rel=0.03)
 
 
-def test_the_contact_goes_into_a_response():
-    found, motion = identify_loops(table()), BaseMotion(Y=0.01, omega=30.0)
-    laws = loop_contact(found), {"F_k": F_K, "K_z": K_Z, "c": C}
+def test_the_contact_goes_into_a_response(sound):
+    motion = BaseMotion(Y=0.01, omega=30.0)
+    laws = loops.loop_contact(sound), {"F_k": F_K, "K_z": K_Z, "c": C}
     one, other = (steady_orbit(Oscillator(m=2.0, k=2310.0, **law), motion).X for law in laws)
     assert one == pytest.approx(other, rel=0.02)  # F_k within 1 %, c within a third of little
 
@@ -314,7 +304,7 @@ def test_a_rounded_knee_is_named_and_goes_into_a_response_as_sliders():
     near(found, F_k=F_K, K_z=K_Z, n=n)
     assert "The knee of the loop is rounded" in found.text()
     # the same loss as the contact at the amplitude of the record, by sliders of the gradual contact
-    r, kappa = loop_sliders(found)["r"], loop_sliders(found)["kappa"]
+    r, kappa = loops.loop_sliders(found)["r"], loops.loop_sliders(found)["kappa"]
     lost = 4.0 * float(np.maximum(X - r, 0.0) @ (kappa * r))
     assert lost == pytest.approx(np.trapezoid(f[-500:], SINE[:-1][-500:]), rel=0.01)
 
@@ -425,11 +415,11 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     (loop,) = fit_of(found).design.loops
     assert loop.own.size == pytest.approx(4000, rel=0.25)
     np.testing.assert_allclose(loop.amplitudes, X, rtol=2e-3)
-    assert len(loop_history(found)) == found.basis.loops[0].cycles == 199
+    assert len(loops.loop_history(found)) == found.basis.loops[0].cycles == 199
     # the corner between samples makes 0.1 %
     assert found.values == pytest.approx({"F_k": F_K, "K_z": K_Z, "c": 0.0}, rel=5e-3, abs=0.1)
     assert "is fitted to 48 of the 198 cycles" in found.text()
-    np.testing.assert_allclose(loop_history(found)["F_k_N"][1:], F_K, rtol=0.02)
+    np.testing.assert_allclose(loops.loop_history(found)["F_k_N"][1:], F_K, rtol=0.02)
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the measured loops lie outside of the project")

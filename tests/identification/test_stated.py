@@ -208,35 +208,32 @@ def test_a_mass_or_an_uncertainty_that_is_none_is_refused(wrong):
 
 
 @pytest.mark.parametrize(
-    ("of", "error", "other"),
+    ("of", "error"),
     [
-        ("mass_kg", "mass_standard_error_kg", "stiffness_N_per_m"),
-        ("stiffness_N_per_m", "stiffness_standard_error_N_per_m", "mass_kg"),
+        ("mass_kg", "mass_standard_error_kg"),
+        ("stiffness_N_per_m", "stiffness_standard_error_N_per_m"),
     ],
 )
-def test_a_configuration_states_uncertainties_with_their_numbers(of, error, other):
+def test_a_configuration_states_uncertainties_with_their_numbers(of, error):
     name = of.partition("_")[0]
     assert configured({of: 20.0})[name] == 20.0
     assert configured({of: 20.0, error: 10.0})[name] == (20.0, 10.0)
-    assert "is for" in dict(contradictions({"kind": "loops", error: 10.0}))[error]
-    for number in ({}, {of: None}, {other: 2310.0}):
-        assert of in dict(contradictions({error: 10.0} | number))[error]
-    assert error not in dict(contradictions({error: 10.0, of: 20.0}))
-    assert "must be below" in dict(contradictions({error: 10.0, of: 10.0}))[error]
+    assert error not in dict(contradictions({of: 20.0, error: 10.0}))
+    for wrong, why in (
+        ({"kind": "loops"}, "is for"),
+        ({of: None}, of),
+        ({of: 10.0}, "must be below"),
+    ):
+        assert why in dict(contradictions({error: 10.0, **wrong}))[error]
 
 
 def test_a_light_damping_asks_more_of_the_frequency():
     """Q = 220 at resonance: a frequency that is off by 4e-7 turns the response by more than the noise does."""
-    k = 2.0 * (20.0 * math.pi) ** 2
+    k, levels, sizes = 2.0 * (20.0 * math.pi) ** 2, (2e-5, 4e-5, 6e-5), []
     osc = Oscillator(2.0, 0.5, k, 20.0 * k, 0.05)
-    options = {"cycles": 40.0, "noise": 3e-3}
-    sizes = []
     for seed in range(6):
-        levels = (2e-5, 4e-5, 6e-5)
-        records = [
-            measured((Y,), 10.0, osc, seed=10 * seed + i, **options)[0]
-            for i, Y in enumerate(levels)
-        ]
+        at = np.random.default_rng(seed)
+        records = measured(levels, 10.0, osc, seed=at, cycles=40.0, noise=3e-3)
         merit = identify(records, k).reference.merit
         sizes.append((merit["m_kg"] - osc.m) / merit["m_standard_error_kg"])
     # rms of six normal numbers: above 1.7 once in 400 times
