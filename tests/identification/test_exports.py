@@ -52,13 +52,12 @@ class Export:
     columns: tuple[tuple[str, float], ...]
     delimiter: str = ","
     decimal: str = "."
-    suffix: str = "csv"
     aside: tuple[str, ...] | None = None
     holds: Mapping[str, str] | None = None
 
     def write(self, folder, held, name="level"):
         """Write it with the signals that are held."""
-        file = folder / f"{name}.{self.suffix}"
+        file = folder / f"{name}.csv"
         columns = pd.DataFrame(factor * held[name] for name, factor in self.columns).T
         options = {"sep": self.delimiter, "decimal": self.decimal, "float_format": "%.9g"}
         rows = columns.to_csv(index=False, header=False, **options)
@@ -73,16 +72,10 @@ class Export:
 
 
 TIME, BASE, MASS = ("time", 1.0), ("base_displacement", 1e3), ("displacement", 1e3)
-LVM = (
-    "LabVIEW Measurement\t\nSeparator\tTab\nMulti_Headings\tNo\nX_Columns\tOne\n***End_of_Header***\t\n\t\n"
-    "Channels\t2\t\t\nSamples\t5714\t5714\t\nY_Unit_Label\tmm\tm/s^2\t\nX0\t0.0\t0.0\t\nDelta_X\t0.001\t0.001\t\n"
-    "***End_of_Header***\t\t\t\nX_Value\tBase\tAcceleration\tComment"
-)
 FORCED = {
     "German": Export(
         "Zeit/s;Weg Tisch/mm;Beschleunigung/g", (TIME, BASE, ("acceleration", 1 / G)), ";", ","
     ),
-    "LabVIEW": Export(LVM, (TIME, BASE, ("acceleration", 1.0)), "\t", suffix="lvm"),
     "accelerometer and LVDT": Export(
         "t (ms),Base (g),Relativweg (mm)",
         (("time", 1e3), ("base_acceleration", 1 / G), ("relative_displacement", 1e3)),

@@ -417,7 +417,7 @@ def test_a_long_record_is_fitted_in_runs_of_cycles(monkeypatch):
     np.testing.assert_allclose(loop.amplitudes, X, rtol=2e-3)
     assert len(loops.loop_history(found)) == found.basis.loops[0].cycles == 199
     # the corner between samples makes 0.1 %
-    assert found.values == pytest.approx({"F_k": F_K, "K_z": K_Z, "c": 0.0}, rel=5e-3, abs=0.1)
+    assert [found.values[s] for s in ("F_k", "K_z")] == pytest.approx([F_K, K_Z], rel=2e-3)
     assert "is fitted to 48 of the 198 cycles" in found.text()
     np.testing.assert_allclose(loops.loop_history(found)["F_k_N"][1:], F_K, rtol=0.02)
 

@@ -27,7 +27,7 @@ def said(found):
 def altered(seconds=0.0, factor=1.0, loud=0.0, F_k=PAPER.F_k, **options):
     """Records whose displacement is later and larger, and whose first channel has a second harmonic, a part of its
     amplitude."""
-    for record in measured(osc=replace(PAPER, F_k=F_k), **options):
+    for record in measured(osc=replace(PAPER, F_k=F_k), rate_hz=500.0, **options):
         drive, x = (record[q] for q in record)
         wave = loud * np.abs(drive.values).max() * np.cos(14.0 * math.pi * drive.t)
         record = changed(record, drive.name, values=drive.values + wave)
