@@ -204,7 +204,7 @@ def test_the_screen_has_three_causes_the_one_that_changes_most_first(steady):
     assert "See the method text for 2 more and all numbers" in found.screen()
 
 
-@pytest.mark.parametrize("kind", ["steady", "decay", "doubtful"])
+@BOTH
 def test_a_report_is_one_file_with_every_number(found, kind, report):
     html = report(kind)
     assert set(re.findall(r'(?:src|href)="([^:"]+:[^;"]*)', html)) == {"data:image/svg+xml"}

@@ -27,7 +27,7 @@ def said(found):
 def altered(seconds=0.0, factor=1.0, loud=0.0, F_k=PAPER.F_k, **options):
     """Records whose displacement is later and larger, and whose first channel has a second harmonic, a part of its
     amplitude."""
-    for record in measured(osc=replace(PAPER, F_k=F_k), rate_hz=500.0, **options):
+    for record in measured(osc=replace(PAPER, F_k=F_k), **options):
         drive, x = (record[q] for q in record)
         wave = loud * np.abs(drive.values).max() * np.cos(14.0 * math.pi * drive.t)
         record = changed(record, drive.name, values=drive.values + wave)
@@ -45,7 +45,6 @@ def altered(seconds=0.0, factor=1.0, loud=0.0, F_k=PAPER.F_k, **options):
             "base motion",
         ),
         ({"factor": -1.0}, "", "e+"),
-        ({"factor": 1e3}, "", "e+"),
         ({"F_k": 5.0, "levels": (0.004, 0.005, 0.006)}, "", "e+"),
     ],
     ids=str,
