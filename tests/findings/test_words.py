@@ -16,10 +16,8 @@ from rooms import PACKAGE
 from toys import TOY
 
 SOURCES = ["data/a.csv", "data/b.csv", "data/c.csv"]
-MANY = [f"{i}.csv" for i in range(20)]
 SAME_NAME = ["one/a.csv", "two/a.csv", "three/b.csv"]
-
-
+MANY = [f"{i}.csv" for i in range(20)]
 TOYS = {
     "drift": ("drifts by {by:g %} in {t:.0f s}", "let it warm up"),
     "toy": ("{quantity:noun} is {X:.3g mm} off, of [late?{late:± µs}|no] delay",),
@@ -35,92 +33,61 @@ def toys(monkeypatch):
         monkeypatch.setitem(SENTENCES, code, Sentence(*words))
 
 
-def drift(by, i):
-    return Finding("drift", {"by": by, "t": 20.0}, of=SOURCES[i])
+def drift(by, of=""):
+    return Finding("drift", {"by": by, "t": 20.0}, of=of)
 
 
 def toy(quantity, of="", **more):
     return Finding("toy", {"quantity": quantity, "X": 2e-3, **more}, of=of)
 
 
-@pytest.mark.parametrize(
-    ("findings", "sources", "sentences"),
-    [
-        (
-            lambda: [drift(0.035, 0), drift(1e-7, 1)],
-            SOURCES,
-            ["a.csv and b.csv: drifts by 1·10⁻⁵ to 3.5 % in 20 s; let it warm up"],
-        ),
-        (
-            lambda: [drift(0.035, 0), drift(1e-7, 1), drift(-0.02, 2)],
-            SOURCES,
-            ["all 3 records: drifts by −2 to 3.5 % in 20 s; let it warm up"],
-        ),
-        (
-            lambda: [toy("force", SOURCES[0]), toy("acc{2}", SOURCES[0])],
-            SOURCES,
-            [f"a.csv: {q} is 2 mm off, of no delay" for q in ("force", "acc{2}")],
-        ),
-        (
-            lambda: [
-                Finding("worse", {"times": x}, of=s)
-                for s, x in zip(SOURCES, (450.2, 3883747.0, 12.4), strict=True)
-            ],
-            SOURCES,
-            ["all 3 records: 12 to more than 1000 times worse"],
-        ),
-        (
-            lambda: [toy("x", s) for s in SAME_NAME[:2]],
-            SAME_NAME,
-            ["one/a.csv and two/a.csv: x is 2 mm off, of no delay"],
-        ),
-        (
-            lambda: [toy("x", s) for s in MANY[:9]],
-            MANY,
-            [
-                "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …): x is 2 mm off, of no delay",
-            ],
-        ),
-    ],
-    ids=["two", "all", "different", "a factor", "one name", "many"],
-)
-def test_the_same_finding_on_several_records_is_one_sentence_with_its_range(
-    findings, sources, sentences
-):
-    found = [in_a_sentence(group, sources, TRANSLATION) for group in grouped(findings())]
-    assert found == sentences
+def worse(times, of):
+    return Finding("worse", {"times": times}, of=of)
+
+
+def said(make, numbers, sources):
+    """The sentences on findings of the first of the records, one of each."""
+    found = grouped(map(make, numbers, sources))
+    return [in_a_sentence(group, sources, TRANSLATION) for group in found]
+
+
+def test_the_same_finding_on_several_records_is_one_sentence_with_its_range():
+    drifts = "drifts by {} to 3.5 % in 20 s; let it warm up"
+    assert said(drift, (0.035, 1e-7), SOURCES) == ["a.csv and b.csv: " + drifts.format("1·10⁻⁵")]
+    assert said(drift, (0.035, 1e-7, -0.02), SOURCES) == ["all 3 records: " + drifts.format("−2")]
+    (factors,) = said(worse, (450.2, 3883747.0, 12.4), SOURCES)
+    assert factors == "all 3 records: 12 to more than 1000 times worse"
+    off = "x is 2 mm off, of no delay"
+    assert said(toy, "xx", SAME_NAME) == [f"one/a.csv and two/a.csv: {off}"]
+    some = "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …)"
+    assert said(toy, "x" * 9, MANY) == [f"{some}: {off}"]
+    different = said(toy, ("x", "acc{2}"), SOURCES)
+    assert different == [f"a.csv: {off}", f"b.csv: {off.replace('x', 'acc{2}', 1)}"]
 
 
 def test_a_rotation_has_its_units_nouns_and_symbols_and_names_of_records_stay():
-    late = toy("base_displacement", of="F_k of 3 N.csv", late=(2e-6, 1e-7))
-    (words,) = [in_a_sentence([late], ["F_k of 3 N.csv"], one) for one in (ROTATION,)]
-    assert words == "F_k of 3 N.csv: base_angle is 2 mrad off, of 2.00 ± 0.10 µs delay"
-    cause = Finding(
-        "cause",
-        {
-            "what": "force of 3 N",  # a name
-            "values": (("F_k[A]", 1.28), ("m", 2.42)),
-            "causes": (toy("force"), toy("velocity")),
-            "others": ((toy("x"), toy("y")), (toy("z"),)),
-        },
-    )
+    name = "F_k of 3 N.csv"
+    late = toy("base_displacement", name, late=(2e-6, 1e-7))
+    words = in_a_sentence([late], [name], ROTATION)
+    assert words == f"{name}: base_angle is 2 mrad off, of 2.00 ± 0.10 µs delay"
+    numbers = {
+        "what": "force of 3 N",  # a name
+        "values": (("F_k[A]", 1.28), ("m", 2.42)),
+        "causes": (toy("force"), toy("velocity")),
+        "others": ((toy("x"), toy("y")), (toy("z"),)),
+    }
     off = " is 2 mrad off, of no delay"
-    assert sentence(cause, ROTATION) == (
+    assert sentence(Finding("cause", numbers), ROTATION) == (
         f"force of 3 N hides T_k of T_k[A] = 1.28 N m, J = 2.42 kg m²: torque{off} and angular velocity{off} or "
         f"x{off} and y{off} or z{off}"
     )
 
 
-def test_what_a_finding_may_do_to_a_number():
+def test_a_finding_has_effects_survives_a_process_boundary_and_has_a_sentence():
     one = Finding("drift", {"by": 1.0, "t": 1.0}, {"": 0.1, "c": math.nan})
     assert (one.shift("F_k"), one.shift("c"), one.largest) == (0.1, math.inf, math.inf)
-    assert drift(1.0, 0).largest == 0.0
-
-
-def test_a_finding_survives_a_process_boundary_and_has_a_sentence():
-    one = drift(0.02, 1)
-    assert pickle.loads(pickle.dumps(one)) == one
-    assert one.document()["numbers"] == {"by": 0.02, "t": 20.0}
+    assert drift(1.0).largest == 0.0
+    assert pickle.loads(pickle.dumps(drift(0.02))) == drift(0.02)
     with pytest.raises(KeyError, match="nobody"):
         Finding("nobody")
 
@@ -134,10 +101,9 @@ def test_each_code_in_the_package_has_a_sentence_and_each_sentence_a_use():
     assert {*SENTENCES} - made - parts - named - TOYS.keys() - {TOY} == set()
 
 
-@pytest.mark.parametrize("code", SENTENCES)
-def test_the_marks_of_a_sentence_are_paired(code):
-    for text in SENTENCES[code][:2]:
+def test_the_marks_of_each_sentence_are_paired():
+    for text in (text for of in SENTENCES.values() for text in of[:2]):
         left = re.sub(r"\{[^{}\[\]]+\}", "", text)
         while left != (left := re.sub(r"\[\w+\?[^\[\]]*\]", "", left)):
             pass
-        assert not set("{}[]|") & set(left), left
+        assert not set("{}[]|") & set(left), text

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
 import runpy
-from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -18,12 +16,10 @@ from dampbalance import (
     identify_joint,
     measured_ring_down,
     read_records,
-    steady_orbits,
 )
 from dampbalance.fit.contacts import fit_contact
 from dampbalance.fit.select import CLEAR
-from dampbalance.identification.outputs import REPORT, TABLES, outputs_of
-from dampbalance.identification.sensitivities import FAULTS, Fault
+from dampbalance.identification.outputs import outputs_of
 from dampbalance.identification.stepped_sine import damping_at
 from dampbalance.law.contact import Sliders
 from dampbalance.records.synthetic import stepped_sine
@@ -56,16 +52,6 @@ def found(request):
     return request.getfixturevalue(request.param)
 
 
-def test_the_room_identifies_its_tables_by_itself(one):
-    """The answer is that of `identify`, from the same signals or from records already read."""
-    for records in (table(), read_records(table())):
-        assert identify_joint(records).document() == one.document()
-    with pytest.raises(ValueError, match="is no table of a stepped sine: identify it separately"):
-        identify_joint([table(), SWING])
-    with pytest.raises(ValueError, match="no records are given"):
-        identify_joint([])
-
-
 def test_one_slider_is_found_where_it_is_enough(one):
     assert next(iter(one.approaches)) == "one slider"
     truth = {"F_k": ONE.F_k, "c": OSCILLATOR["c"], "K_z": ONE.K_z}
@@ -73,8 +59,6 @@ def test_one_slider_is_found_where_it_is_enough(one):
         # four standard errors: chance leaves one of the three outside in one seed of 5,000
         assert abs(one.values[symbol] - value) < 4.0 * one.standard_errors[symbol], symbol
         assert one.verdicts[symbol].verdict == "usable"
-        low, high = one.intervals[symbol]
-        assert low < one.values[symbol] < high
     merit = one.answer.merit
     assert abs(merit["m_kg"] - 2.0) < 4.0 * merit["m_standard_error_kg"]
     assert abs(merit["k_N_per_m"] - 180_000.0) < 4.0 * merit["k_standard_error_N_per_m"]
@@ -99,11 +83,6 @@ def test_many_sliders_are_found_where_one_is_not_enough(many):
     off = np.abs(np.pi * X**2 * Z.imag - exact) / (np.pi * X**2 * reach.imag)
     assert off.max() < 3.0
     assert np.mean(off < 1.5) > 0.8
-    at = np.array(AMPLITUDES)
-    loss = np.pi * at**2 * many.basis.fits["gradual"].law(at, omega)[0].imag
-    exact = MANY.loss(at) + np.pi * omega * OSCILLATOR["c"] * at**2
-    # 0.3 % of force and phase near the resonance, and c alone at the lowest
-    np.testing.assert_allclose(loss, exact, rtol=0.03)
 
 
 def test_the_rows_are_the_balance(one):
@@ -124,23 +103,11 @@ def test_the_rows_are_the_balance(one):
 
 def test_a_damping_that_may_be_zero_is_an_upper_limit():
     """Near the resonance it trades with the friction, which is known closely: no more of it could hide."""
-    osc = Oscillator(m=2.42, c=0.0, k=2310.0, K_z=23_100.0, F_k=1.28)
-    hertz, Y = np.linspace(5.5, 6.5, 17), np.array([[1e-3], [1.5e-3], [2e-3]])
-    orbits = steady_orbits(osc, Y=Y, omega=2.0 * math.pi * hertz)
-    noise = 0.01 * np.random.default_rng(12).normal(size=(2, orbits.X_1.size))
-    lines = {
-        "frequency_hz": np.tile(hertz, 3),
-        "base_displacement_m": np.repeat(Y, hertz.size),
-        "displacement_m": orbits.X_1.ravel() * (1.0 + noise[0]),
-        "phase_rad": -orbits.phi_1.ravel() + noise[1],
-        "level": np.repeat(Y, hertz.size),
-    }
-    found = identify_joint(lines, stiffness=2310.0, contact="one slider", hardening=False)
-    covariance = found.answer.covariance
-    assert np.isfinite(covariance).all()
-    np.testing.assert_allclose(
-        np.sqrt(np.diag(covariance)), [*found.standard_errors.values()], rtol=1e-12
-    )
+    options = {"amplitudes": AMPLITUDES[2:], "frequencies_hz": HZ, "noise": 0.01, "seed": 1}
+    lines = stepped_sine(OSCILLATOR | {"c": 0.0}, ONE, **options)
+    found = identify_joint(lines, contact="one slider", hardening=False)
+    errors = np.sqrt(np.diag(found.answer.covariance))
+    np.testing.assert_allclose(errors, [*found.standard_errors.values()], rtol=1e-12)
     verdict = found.verdicts["c"]
     assert verdict.verdict == "usable"
     assert [one.code for one in verdict.findings] == ["upper limit"]
@@ -157,91 +124,38 @@ def test_a_level_is_its_line_nearest_to_resonance(one):
 def test_everything_of_an_identification_is_there(found, tmp_path):
     files = found.save(tmp_path)
     assert {file.name for file in files} == {*outputs_of("stepped-sine")}
-    assert {file.name for file in tmp_path.iterdir()} == {*outputs_of("stepped-sine")}
-    document = json.loads((tmp_path / TABLES[0]).read_text(encoding="utf-8"))
-    assert document["kind"] == "stepped-sine"
+    document = found.document()
     assert document["answer"] == next(iter(found.approaches)) == document["comparison"]["supported"]
     own = document["approaches"][document["answer"]]
     assert own["F_k_N"] == found.values["F_k"]
     assert len(own["rows"]["W_J"]) == len(own["rows"]["frequency_Hz"]) == 55
-    assert document["damping"]["damping_ratio"] == pytest.approx(
-        found.values["c"] / (2.0 * math.sqrt(found.k * own["m_kg"])), rel=1e-12
-    )
-    frame = found.to_frame()
-    assert set(frame["approach"]) == {"one slider", "gradual"}
-    assert set(frame["symbol"]) == {"F_k", "c", "K_z"}
-    assert list(found.covariance.columns) == ["F_k", "c", "K_z"]
-    text = found.text()
-    assert "its phases are those by which the acceleration leads the force" in text
-    assert "conditional on the gains, which the records alone hardly test, or not at all" in text
-    assert "stiffness and the gains" not in text
-    assert f"{text}" == (tmp_path / "summary.txt").read_text(encoding="utf-8")
-    report = (tmp_path / REPORT).read_text(encoding="utf-8")
-    for words in ("Energy lost per cycle over the amplitude", "each line fits another contact"):
-        assert words in report
-    assert found.report() == report
-
-
-def test_the_pictures_show_lines_laws_and_bands(found):
-    assert found.figures == ("loss", "stiffness", "distribution")
-    for name in found.figures:
+    zeta = found.values["c"] / (2.0 * math.sqrt(found.k * own["m_kg"]))
+    assert document["damping"]["damping_ratio"] == pytest.approx(zeta, rel=1e-12)
+    assert "its phases are those by which the acceleration leads the force" in found.text()
+    for name in ("loss", "stiffness"):
         (axes,) = found.plot(name)
-        legend = {words for _, words in zip(*axes.get_legend_handles_labels(), strict=True)}
-        assert legend == {"one slider", "gradual"}
-        if name != "distribution":
-            points = [line for line in axes.get_lines() if line.get_marker() == "."]
-            assert sum(len(line.get_xdata()) for line in points) == 55
-            assert len(axes.collections) == 2  # bands
+        points = [len(of.get_xdata()) for of in axes.get_lines() if of.get_marker() == "."]
+        assert (sum(points), len(axes.collections)) == (55, 2)  # lines, and bands of both laws
         pyplot.close(axes.figure)
-
-
-@pytest.mark.parametrize(
-    ("column", "fault"), [("force_N", "drive"), ("acceleration_m_per_s2", "response")]
-)
-def test_gains_change_the_answer_as_its_law_of_scales_says(one, column, fault):
-    columns = table()
-    columns[column] = 1.01 * columns[column]
-    other = identify(columns, contact="one slider")
-    of, effects = one.sensitivities()
-    assert of == "one slider"
-    for symbol in one.values:
-        change = effects[f"{fault}_gain_1_percent"][symbol]
-        # second order in 1 %, and where the search for r ends
-        assert other.values[symbol] / one.values[symbol] - 1.0 == pytest.approx(change, abs=3e-4)
 
 
 EXAMPLE = ROOT / "config/records/stepped"
 
 
-def test_faults_change_an_answer_of_a_stated_stiffness_as_fits_to_such_lines_do():
-    """F_k does not follow an error of k, nor all of a gain: mass and contact take what the stiffness cannot."""
+def test_an_uncertainty_of_a_stated_stiffness_widens_as_fits_to_others_differ():
+    """F_k does not follow an error of k: mass and contact take what the stiffness cannot."""
     k, contact = 188_750.0, "one slider"
-    found = identify(EXAMPLE / "levels.csv", k, contact=contact)
-    lines = found.basis.lines
-
-    def fitted(sign, fault):
-        X, stiffer = 1.0 + sign * fault.response, 1.0 + sign * fault.stiffness
-        lag = sign * (fault.angle + fault.late * lines.omega)
-        Z = lines.Z * (1.0 + sign * fault.drive) / X * np.exp(1j * lag)
-        other = replace(lines, X=X * lines.X, Z=Z)
-        fit = fit_contact(other, contact=contact, stiffness=stiffer * k)
-        return {symbol: fit.value(symbol) for symbol in ("F_k", "c", "K_z")}
-
-    sizes = {"drive": 0.01, "response": 0.01, "stiffness": 0.01, "angle": 3e-3, "late": 1e-5}
-    faults = {name: Fault("", **{name: size}) for name, size in sizes.items()}
-    for name, effects in found.shifts(faults, contact).items():
-        less, more = fitted(-1.0, faults[name]), fitted(1.0, faults[name])
-        for symbol, value in found.values.items():
-            change = (more[symbol] - less[symbol]) / (2.0 * value)
-            # refits iterate the errors of the lines from their start on
-            assert effects[symbol] == pytest.approx(change, rel=0.08, abs=2e-3), (name, symbol)
-    # an uncertainty that is stated widens the intervals by as much
-    stated = identify(EXAMPLE / "levels.csv", (k, 0.001 * k), contact=contact)
-    less, more = (fitted(sign, Fault("", stiffness=0.001)) for sign in (-1.0, 1.0))
+    found, stated = (
+        identify(EXAMPLE / "levels.csv", of, contact=contact) for of in (k, (k, 0.001 * k))
+    )
+    less, more = (
+        fit_contact(found.basis.lines, contact=contact, stiffness=of * k) for of in (0.999, 1.001)
+    )
     for symbol, error in stated.standard_errors.items():
-        added = math.sqrt(error**2 - found.standard_errors[symbol] ** 2) / found.values[symbol]
-        change = 0.5 * abs(more[symbol] - less[symbol]) / found.values[symbol]
-        assert added == pytest.approx(change, rel=0.05, abs=2e-4), symbol
+        added = math.sqrt(error**2 - found.standard_errors[symbol] ** 2)
+        change = 0.5 * abs(more.value(symbol) - less.value(symbol))
+        # refits iterate the errors of the lines from their start on
+        assert added == pytest.approx(change, rel=0.05, abs=2e-4 * found.values[symbol]), symbol
 
 
 def test_a_base_that_moves_is_a_force_of_the_known_stiffness():
@@ -259,7 +173,6 @@ def test_a_base_that_moves_is_a_force_of_the_known_stiffness():
     for symbol, error in by_base.standard_errors.items():
         own = 0.005 * by_base.values[symbol]
         assert error == pytest.approx(math.hypot(tight.standard_errors[symbol], own), rel=1e-4)
-    assert "stiffness and the gains" in tight.text()
     with pytest.raises(ValueError, match=r"the base drives.*give stiffness"):
         identify(of_base)
 
@@ -273,9 +186,8 @@ def test_two_levels_do_not_tell_whether_one_slider_is_enough():
 
 
 def test_a_contact_asked_for_alone_is_doubtful_where_whole_levels_depart_from_it():
-    for sliders, verdict in ((ONE, "usable"), (MANY, "doubtful")):
-        found = identify(table(sliders), contact="one slider")
-        assert {of.verdict for of in found.verdicts.values()} == {verdict}
+    found = identify(table(MANY), contact="one slider")
+    assert {of.verdict for of in found.verdicts.values()} == {"doubtful"}
 
 
 def test_no_contact_that_slips_is_an_answer_too():
@@ -286,7 +198,6 @@ def test_no_contact_that_slips_is_an_answer_too():
     assert found.verdicts["K_z"].verdict == "none"
     assert [one.code for one in found.verdicts["F_k"].findings] == ["no contact"]
     assert next(iter(found.rows)) == "b_m2_per_s"
-    assert found.report()
 
 
 def test_what_is_known_is_held():
@@ -296,74 +207,57 @@ def test_what_is_known_is_held():
     assert (fit.value("k"), fit.value("m")) == (180_000.0, 2.0)
     assert set(found.values) == {"F_k", "c", "K_z"}
     assert "k_3" not in fit.parameters
-    assert found.document()["options"]["mass_kg"] == 2.0
-    assert found.sensitivities()[1].keys() == FAULTS.keys()
 
 
-@pytest.mark.parametrize(("sliders", "answer"), [(ONE, "one slider"), (MANY, "gradual")])
-@pytest.mark.parametrize("by", [1.0, 0.8, 1.05])
+@pytest.mark.parametrize(
+    ("sliders", "answer", "by"),
+    [
+        (ONE, "one slider", 1.0),
+        (ONE, "gradual", 0.8),
+        (MANY, "gradual", 1.0),
+        (MANY, "gradual", 1.05),
+    ],
+)
 def test_a_stiffness_that_is_stated_is_tested_by_the_lines(sliders, answer, by):
     """Too large, none of the answers is usable; too small, a contact that sticks makes up for it, F_k and K_z are what
     they are with k free, and that is said."""
     stated = by * OSCILLATOR["k"]
     found = identify(table(sliders), stated)
-    doubted = {
-        name: {v.verdict for v in of.verdicts.values()} == {"doubtful"}
-        and all(v.findings[0].code == "stiffness differs" for v in of.verdicts.values())
-        for name, of in found.approaches.items()
-    }  # fmt: skip
     first = next(iter(found.approaches))
-    sticks = [one for one in found.findings if one.code == "sticks in every line"]
+    doubted = {
+        name: [v.findings[0].code for v in of.verdicts.values() if v.verdict == "doubtful"]
+        for name, of in found.approaches.items()
+    }
+    assert first == answer
+    assert (doubted[first] == ["stiffness differs"] * 3) == (by > 1.0)
+    sticks = [one.numbers["k"] for one in found.findings if one.code == "sticks in every line"]
+    assert sticks == ([stated] if by < 1.0 else [])
     if by < 1.0:
-        assert first == "gradual"
-        assert doubted["one slider"]
-        assert len(sticks) == 1
-        assert sticks[0].numbers["k"] == stated
+        assert doubted["one slider"] == ["stiffness differs"] * 3
         free = identify(table(sliders), contact="gradual")
-        for symbol, value in free.values.items():
-            assert found.values[symbol] == pytest.approx(value, rel=1e-3)
-    else:
-        assert not sticks
-        assert doubted[first] == (by > 1.0)
-    if by == 1.0:
-        assert first == answer
+        assert found.values == pytest.approx(free.values, rel=1e-3)
+        of, stuck = (one.basis.fits["gradual"] for one in (free, found))
+        assert stuck.stuck == pytest.approx(of.value("k") - stated, rel=1e-3)
 
 
 def test_a_stated_uncertainty_of_the_stiffness_counts():
-    stated = 1.05 * OSCILLATOR["k"]
-    for error, verdict in ((0.001, "doubtful"), (0.05, "usable")):
-        found = identify(table(), (stated, error * stated), contact="one slider")
+    for error, verdict in ((200.0, "doubtful"), (9e3, "usable")):
+        found = identify(table(), (1.05 * OSCILLATOR["k"], error), contact="one slider")
         assert found.verdicts["K_z"].verdict == verdict
 
 
-def test_a_contact_that_sticks_is_none_that_slips():
-    """A stiffness that is stated as 2,310 N/m, and is 189,000: K_z and F_k are those of the sliders that slip."""
-    lines = EXAMPLE / "levels.csv"
-    free, held = (identify(lines, k, contact="gradual") for k in (None, 2310.0))
-    for symbol, value in free.values.items():
-        assert held.values[symbol] == pytest.approx(value, rel=1e-3)
-    of, stuck = (one.basis.fits["gradual"] for one in (free, held))
-    assert stuck.stuck == pytest.approx(of.value("k") - 2310.0, rel=1e-3)
-    assert "natural frequency of 49.00 Hz" in held.text()
-
-
 def test_tables_of_one_level_each_make_one_identification():
-    columns = table()
-    parts = []
-    for number in range(1, 6):
-        own = columns["level"] == number
-        frame = pd.DataFrame({q: of[own] for q, of in columns.items() if q != "level"})
-        frame.attrs["name"] = f"run {number}"
-        parts.append(frame)
+    whole = pd.DataFrame(table())
+    parts = [own.drop(columns="level") for _, own in whole.groupby("level")]
+    for number, part in enumerate(parts):
+        part.attrs["name"] = f"run {number}"
     found = identify(parts, contact="one slider")
-    assert found.sources == tuple(f"run {n}" for n in range(1, 6))
-    assert [of.name for of in found.levels] == list(found.sources)
-    together = identify(columns, contact="one slider")
-    assert found.values == together.values
+    assert [of.name for of in found.levels] == [f"run {n}" for n in range(5)]
+    assert found.values == identify(table(), contact="one slider").values
 
 
 SWING = measured_ring_down(
-    Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5), x=0.012, rate_hz=1000.0, duration=2.0
+    Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5), x=0.012, rate_hz=500.0, duration=2.0
 )
 
 
@@ -371,14 +265,10 @@ SWING = measured_ring_down(
     ("records", "options", "message"),
     [
         (table(amplitudes=(1e-4,)), {}, "has one level of excitation.*give tables of two levels"),
-        (table(), {"frequency": 50.0}, "frequency = 50.0 is for forced records, and these are tables"),
-        (table(), {"laws": True}, "laws = True is for forced records or free decays"),
         (table(), {"given": {"F_k": 1.0}}, "F_k depends on the amplitudes.*cannot be given"),
         (table(), {"contact": "two"}, "contact must be one of both, one slider, gradual"),
         ([table(), SWING], {}, "is no table of a stepped sine: identify it separately"),
-        (SWING, {"kind": "stepped-sine"}, "is no table of a stepped sine: identify it separately"),
         (read_records(table()), {"kind": "forced", "stiffness": 1.0}, "is a table of a stepped sine: identify it"),
-        (SWING, {"stiffness": 2310.0, "residual": True}, "residual = True is for tables of a stepped sine"),
         (SWING, {}, "stiffness .* is missing: free decays need it"),
     ],
 )  # fmt: skip
@@ -403,15 +293,16 @@ def test_the_damping_at_an_amplitude_is_that_of_the_sliders(many):
     X, hertz = np.array([1e-5, 3e-5, 1e-4, 3e-4, 5e-4]), 50.0
     omega = 2.0 * math.pi * hertz
     W = MANY.loss(X) + math.pi * omega * OSCILLATOR["c"] * X**2
-    zeta, damping = (
-        W / (2.0 * math.pi * OSCILLATOR["m"] * (omega * X) ** 2),
-        damping_at(many, X, hertz),
-    )
-    measured = slice(1, 4)  # the others lie beyond the levels
-    reach = 0.5 * (damping["high"] - damping["low"])[measured].to_numpy()
-    assert (
-        np.abs(damping["damping_ratio"][measured].to_numpy() - zeta[measured]) < 2.0 * reach
-    ).all()
-    assert (damping["low"] < damping["damping_ratio"])[measured].all()
-    assert (damping["damping_ratio"] < damping["high"])[measured].all()
-    assert damping.isna().any(axis=1).tolist() == [True, False, False, False, True]
+    damping = damping_at(many, X, hertz)
+    assert damping.isna().any(axis=1).tolist() == [
+        True,
+        False,
+        False,
+        False,
+        True,
+    ]  # the levels end
+    damping["true"] = W / (2.0 * math.pi * OSCILLATOR["m"] * (omega * X) ** 2)
+    of = damping.dropna()
+    reach = 0.5 * (of["high"] - of["low"])
+    assert ((of["damping_ratio"] - of["true"]).abs() < 2.0 * reach).all()
+    assert ((of["low"] < of["damping_ratio"]) & (of["damping_ratio"] < of["high"])).all()
