@@ -8,6 +8,7 @@ import numpy as np
 
 from dampbalance import Oscillator, transient
 from dampbalance.fit.decay import STATE, Decay, DecayFit, DecayProblem
+from dampbalance.fit.fit import Fit
 from dampbalance.fit.parameters import Parameters
 from dampbalance.motion.unknowns import OSCILLATOR_UNKNOWNS
 from dampbalance.signals.bursts import Signal
@@ -44,3 +45,8 @@ def fitted(decay: Decay, k: float, point: np.ndarray, held: str = "", most: int 
     fit = problem.climb(start_of(problem, point, held), most=most)
     assert fit is not None
     return fit
+
+
+def off(fit: Fit, **truth: float) -> float:
+    """How far numbers of a fit are from the truth, in standard errors: the farthest of them."""
+    return max(abs(fit.value(name) - true) / fit.error(name) for name, true in truth.items())

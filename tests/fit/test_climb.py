@@ -45,55 +45,49 @@ def parabola(best, seen=None):
     return products_of(read)
 
 
-@pytest.mark.parametrize("best", [(3.0, -2.0), (1.0, 5.0), (-4.0, 1.0), (1.0, 1.0)])
-def test_it_finds_the_least_value_of_a_parabola(best):
-    # one unknown may be right from the start
-    end = climb(parabola(np.array(best)), start_at(np.ones(2)))
-    # a full step gains less than 5e-8: within 3e-4 of a standard error, of which the larger is 0.8
-    assert end.point == pytest.approx(best, abs=3e-4)
-
-
 @pytest.mark.parametrize(
-    ("best", "start", "lower", "upper", "expected"),
+    ("best", "start", "lower", "upper", "free", "expected"),
     [
+        ((3.0, -2.0), (1.0, 1.0), -math.inf, math.inf, True, (3.0, -2.0)),
+        ((1.0, 5.0), (1.0, 1.0), -math.inf, math.inf, True, (1.0, 5.0)),  # one is right already
         # with p₀ at 2 the other unknown follows: H₁₁ (p₁ − 5) = −H₁₀ (2 − best₀)
-        ((1.0, 5.0), (4.0, 0.0), 2.0, math.inf, (2.0, 4.5)),
+        ((1.0, 5.0), (4.0, 0.0), 2.0, math.inf, True, (2.0, 4.5)),
         # a start below the limit begins at it, and one that is held there is let go again
-        ((3.0, 5.0), (0.0, 0.0), 2.0, math.inf, (3.0, 5.0)),
-        ((3.0, 5.0), (1.0, 1.0), -math.inf, 2.0, (2.0, 5.5)),
+        ((3.0, 5.0), (0.0, 0.0), 2.0, math.inf, True, (3.0, 5.0)),
+        ((3.0, 5.0), (1.0, 1.0), -math.inf, 2.0, True, (2.0, 5.5)),
+        # one that is not free keeps its value beyond its limits
+        ((1.0, 5.0), (0.0, 1.0), 2.0, math.inf, False, (0.0, 5.5)),
     ],
-    ids=["lower", "released", "upper"],
+    ids=["both", "one", "lower", "released", "upper", "held"],
 )
-def test_limits_hold(best, start, lower, upper, expected):
-    start = start_at(start, (lower, -math.inf), (upper, math.inf))
+def test_it_finds_the_least_value_of_a_parabola_within_limits(
+    best, start, lower, upper, free, expected
+):
+    start = start_at(start, (lower, -math.inf), (upper, math.inf), (free, True))
     end = climb(parabola(np.array(best)), start)
-    assert end.point == pytest.approx(expected, abs=1e-4)
+    # a full step gains less than 5e-8: within 3e-4 of a standard error, of which the larger is 0.8
+    assert end.point == pytest.approx(expected, abs=3e-4)
 
 
-def test_an_unknown_that_is_not_free_keeps_its_value_beyond_its_limits():
-    start = np.array([0.0, 1.0])
-    at = start_at(start, (2.0, -math.inf), free=(False, True))
-    end = climb(parabola(np.array([1.0, 5.0])), at)
-    assert end.point[0] == 0.0
-    # H₁₁ (p₁ − 5) = −H₁₀ (0 − 1)
-    assert end.point[1] == pytest.approx(5.5, abs=1e-4)
-    assert start.tolist() == [0.0, 1.0]
+@pytest.mark.parametrize(("least", "lowest"), [(1e-6, 0.2), (0.0, 0.0)])
+def test_a_positive_unknown_falls_to_a_fifth_in_a_step_and_one_that_may_be_zero_at_once(
+    least, lowest
+):
+    seen: list[np.ndarray] = []
+    start = start_at((1.0, 12.0), (least, -math.inf), scale=1e-9)
+    climb(parabola(np.array([-50.0, 0.0]), seen), start)
+    assert seen[1][0] == pytest.approx(lowest, abs=1e-12)
 
 
-def test_a_positive_unknown_falls_to_a_fifth_in_a_step_and_one_that_may_be_zero_at_once():
-    for least, lowest in ((1e-6, 0.2), (0.0, 0.0)):
-        seen: list[np.ndarray] = []
-        start = start_at((1.0, 12.0), (least, -math.inf), scale=1e-9)
-        climb(parabola(np.array([-50.0, 0.0]), seen), start)
-        assert seen[1][0] == pytest.approx(lowest, abs=1e-12)
-
-
-def test_it_gives_chi_square_and_the_products_where_it_ended():
-    best = np.array([3.0, -2.0])
-    end = climb(parabola(best), start_at(np.zeros(2)), most=1)
+def test_it_gives_chi_square_the_products_and_what_a_further_step_promises():
+    best, start = np.array([3.0, -2.0]), start_at(np.zeros(2))
+    end = climb(parabola(best), start, most=1)
     assert end.chi_square == pytest.approx(best @ H @ best)
     assert end.products[:-1, :-1] == pytest.approx(H)
     assert end.products[:-1, -1] == pytest.approx(-H @ best)
+    # of a parabola a full step gains all that there is
+    assert end.promise == pytest.approx(0.5 * best @ H @ best)
+    assert climb(parabola(best), start).promise < 5e-8
 
 
 def test_columns_that_hardly_differ_are_told_apart():
@@ -119,8 +113,7 @@ def test_a_climb_ends_where_no_step_helps_and_after_so_many_evaluations():
     # from afar: the best point on the way, before the last of the evaluations
     made.clear()
     end = climb(kink, start_at(np.array([9.0])), most=4)
-    assert end.evaluations == 4
-    assert len(made) == 4
+    assert end.evaluations == len(made) == 4
     assert end.point[0] in made
 
 
@@ -133,11 +126,3 @@ def test_places_where_the_model_does_not_apply_are_stepped_back_from():
     end = climb(evaluate, start_at(np.array([-9.0, 3.0])))
     assert end.point == pytest.approx([3.0, -2.0], abs=1e-4)
     assert climb(evaluate, start_at(np.array([4.0, 0.0]))) is None
-
-
-def test_it_says_what_a_further_step_promises():
-    best, start = np.array([3.0, -2.0]), np.zeros(2)
-    one = climb(parabola(best), start_at(start), most=1)
-    # of a parabola a full step gains all that there is
-    assert one.promise == pytest.approx(0.5 * best @ H @ best)
-    assert climb(parabola(best), start_at(start)).promise < 5e-8

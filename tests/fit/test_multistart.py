@@ -13,14 +13,7 @@ from dampbalance.fit.multistart import multistart
 from dampbalance.fit.parameters import Parameter, Parameters
 
 # χ² where a softened climb in a well ends → where it ends once refined: the best is not the nearest at first
-WELLS = (
-    (900.0, 800.0),
-    (500.0, 450.0),
-    (510.0, 440.0),
-    (510.1, 440.0),
-    (520.0, 300.0),
-    (530.0, 200.0),
-)
+WELLS = ((900, 800), (500, 450), (510, 440), (510.1, 440), (520, 300), (530, 200))
 OFF = 0.2  # by which a softened well lies off
 
 
@@ -55,12 +48,12 @@ class Wells:
 STARTS = [Parameters.of([Parameter("x", float(i))]) for i in range(len(WELLS))]
 
 
-def searched(starts=STARTS, **options):
+def searched(starts=STARTS, enough=10.0, **options):
     """What a search finds, and the evaluations that it made."""
     made = []
     options = {"softening": (1e-2,), "hopeless": 4.0, **options}
     return multistart(
-        Wells(made), starts, enough=lambda end: end.chi_square < 10.0, **options
+        Wells(made), starts, enough=lambda end: end.chi_square < enough, **options
     ), made
 
 
@@ -74,17 +67,15 @@ def test_unless_asked_none_that_is_hopeless_is_refined():
     fits, made = searched()
     assert fits[0].chi_square == pytest.approx(500.0, rel=1e-3)
     assert made.count(0.0) == len(WELLS)
+    # not softened to its end, all are refined
+    assert searched(hopeless=math.inf)[0][0].chi_square == pytest.approx(200.0)
 
 
 def test_a_search_ends_with_its_budget_and_with_what_is_enough():
     fits, made = searched(budget=2.0)
     assert [one.chi_square for one in fits] == pytest.approx([900.0], rel=1e-3)
     assert len(made) <= 8
-    first = searched(hopeless=math.inf)[0]
-    assert first[0].chi_square == pytest.approx(200.0)  # not softened to its end, all are refined
-    made = []
-    multistart(Wells(made), STARTS, enough=lambda end: end.chi_square < 1e3)
-    assert len(made) <= 3
+    assert len(searched(enough=1e3, softening=())[1]) <= 3
 
 
 def test_what_all_agree_in_is_one_minimum():
