@@ -97,7 +97,7 @@ V_0 = 0.3 * 2.0 * np.pi * X
         (loop(contact=()).f + F_K * np.tanh(V / V_0), "rounded", {"F_k": F_K, "v_0": V_0}),
         (loop().f + 5.0 * (SINE / X) ** 3, "k_3", {"F_k": F_K, "K_z": K_Z, "k_3": 5.0 / X**3}),
         (loop().f, "", TRUTH),
-        (loop(gap=1e-4).f, "backlash", TRUTH | {"g": 1e-4}),
+        (loop(gap=1e-4).f, "gap", TRUTH | {"g": 1e-4}),
     ],
 )
 def test_what_the_loops_hold_is_told_from_a_slider(force, name, truth):

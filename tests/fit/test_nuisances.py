@@ -14,6 +14,7 @@ import pytest
 from blind.other_motion import STEPS, Departure, steady
 from dampbalance.fit.nuisances import FALLING, FOLDED, NUISANCES, in_other_frame
 from dampbalance.fit.steady_search import fit_records, refit
+from dampbalance.identification.causes import doubts_of
 from dampbalance.identification.oscillator import common_fit
 from dampbalance.law.law import Law
 from identification.gradual_contacts import contact_of, harmonics_on
@@ -95,6 +96,7 @@ def test_each_is_named_and_fitted_and_the_oscillator_behind_it_found(name):
     for symbol in ("F_k", "c"):
         low, high = whole.answer.intervals[symbol]
         assert low < getattr(osc, symbol) < high, symbol
+    assert (doubts_of(whole.selection, name).get("K_z", 0.0) > 0.1) == (name == "gradual")
     if size is None:
         return
     fit = whole.selection.plain

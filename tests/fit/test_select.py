@@ -119,18 +119,6 @@ def test_what_is_not_told_apart_widens_the_numbers_by_the_distance_of_the_models
     assert max(found.weight(name) for name in ADDED) < CLEAR
 
 
-def test_intervals_hold_the_truth_whether_the_departure_is_there_or_not():
-    inside, prior = [], Prior(0.1, 3.0, "")
-    for seed in range(200):
-        size = 3.0 * np.random.default_rng(1000 + seed).standard_normal() * (seed % 10 == 0)
-        fit = line(seed, square=size)
-        found = select(fit, candidates(fit, prior), OWN)
-        error = math.sqrt(found.covariance[1, 1])
-        inside.append(abs(found.values[1] - 2.0) < 1.96 * error)
-    # 95 % and more, as a mixture is not normal; three standard errors of 200 draws
-    assert np.mean(inside) > 0.95 - 3.0 * math.sqrt(0.05 * 0.95 / 200)
-
-
 def test_what_no_model_explains_scales_the_errors():
     assert noise_of(40.0, 40.0) == 1.0
     assert noise_of(4000.0, 40.0) == pytest.approx(100.0)

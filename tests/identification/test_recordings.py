@@ -19,33 +19,18 @@ ERRORS = 4.0  # standard errors: chance leaves one of three numbers outside in o
 
 
 def staircase(levels, cycles, noise=0.01, seed=0):
-    """The motion from rest under a base whose amplitude steps, by the explicit midpoint rule.
-
-    The deflection of the contact is held at ±F_k/K_z at the end of each step; the error of 1e-5 at this step is far
-    below the noise.
-    """
-    per_sample, omega, Z_m = 4, 2.0 * math.pi * HERTZ, OSC.F_k / OSC.K_z
-    h = 1.0 / (RATE * per_sample)
-    x = v = w = 0.0
-    samples = []
-
-    def acceleration(t, Y, x, v, w):
-        spring = OSC.k * (Y * math.sin(omega * t) - x)
-        return (spring - OSC.c * v - OSC.K_z * w) / OSC.m
-
-    for step in range(round(len(levels) * cycles / HERTZ / h)):
-        t = step * h
-        Y = levels[min(int(t * HERTZ / cycles), len(levels) - 1)]
-        if step % per_sample == 0:
-            samples.append((t, Y * math.sin(omega * t), x))
-        middle = v + 0.5 * h * acceleration(t, Y, x, v, w)
-        half = min(max(w + 0.5 * h * v, -Z_m), Z_m)
-        v += h * acceleration(t + 0.5 * h, Y, x + 0.5 * h * v, middle, half)
-        x, w = x + h * middle, min(max(w + h * middle, -Z_m), Z_m)
+    """The exact motion from rest under a base whose amplitude steps, with noise."""
+    count, omega, parts = round(cycles / HERTZ * RATE), 2.0 * math.pi * HERTZ, []
+    state = {"x": 0.0, "v": 0.0, "z": 0.0}
+    for i, Y in enumerate(levels):
+        t = 0.75 / HERTZ + np.arange(i * count, (i + 1) * count + 1) / RATE
+        moved = transient(OSC, BaseMotion(Y, omega), t[-1], start=t[0], **state).state(t)
+        parts.append((Y * np.cos(omega * t[:-1]), moved.x[:-1]))
+        z = np.clip(moved.z[-1], -OSC.Z_m, OSC.Z_m)
+        state = {"x": moved.x[-1], "v": moved.v[-1], "z": z}
     rng = np.random.default_rng(seed)
-    t, y, x = np.transpose(samples)
-    y, x = (of + noise * np.std(of) * rng.standard_normal(of.size) for of in (y, x))
-    return {"time_s": t, "base_displacement_m": y, "displacement_m": x}
+    y, x = (of + noise * np.std(of) * rng.standard_normal(of.size) for of in np.hstack(parts))
+    return {"time_s": np.arange(y.size) / RATE, "base_displacement_m": y, "displacement_m": x}
 
 
 def right(found, osc, *, symbols=("F_k", "c", "K_z"), within):
