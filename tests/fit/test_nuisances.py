@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 
 from blind.other_motion import STEPS, Departure, steady
+from dampbalance import BaseMotion, Oscillator, steady_orbit
+from dampbalance.fit.multistart import Trail
 from dampbalance.fit.nuisances import FALLING, FOLDED, NUISANCES, in_other_frame
 from dampbalance.fit.steady_search import fit_records, refit
+from dampbalance.fit.waveforms import HarmonicProblem
 from dampbalance.identification.causes import doubts_of
 from dampbalance.identification.oscillator import common_fit
 from dampbalance.law.law import Law
@@ -48,13 +51,15 @@ def drawn(motion, osc, noise, seed=1):
         yield replace(one, x=motion(one.Y, one.n) + error)
 
 
-def integrated(departure, noise=5e-7):
-    def motion(Y, n):
-        numbers = (SOFT.m, SOFT.c, SOFT.k, SOFT.K_z, SOFT.F_k, Y, OMEGA)
-        x = steady(numbers, departure)(np.arange(STEPS) * (2.0 * math.pi / STEPS))[0]
-        return 2.0 * np.fft.rfft(x)[n] / STEPS
+def harmonics_of(osc, Y, omega, departure, n):
+    """x_n of a motion that is not the model's, by independent integration."""
+    numbers = (osc.m, osc.c, osc.k, osc.K_z, osc.F_k, Y, omega)
+    x = steady(numbers, departure)(np.arange(STEPS) * (2.0 * math.pi / STEPS))[0]
+    return 2.0 * np.fft.rfft(x)[n] / STEPS
 
-    return drawn(motion, SOFT, noise)
+
+def integrated(departure, noise=5e-7):
+    return drawn(lambda Y, n: harmonics_of(SOFT, Y, OMEGA, departure, n), SOFT, noise)
 
 
 def mild_steps():
@@ -176,3 +181,23 @@ def test_the_other_frame_is_left_as_it_was_entered():
     assert other.x[0] == one.x[0] + one.Y
     assert other.x[1] == one.x[1] + one.base[1]
     assert np.abs(in_other_frame(other).x - one.x).max() < 1e-15 * one.Y
+
+
+def test_the_harmonics_of_the_base_read_too_large_are_so_in_the_model():
+    """A drive that reads 1 % too much does so at all its harmonics, and the motion is that of the true base."""
+    osc, base = Oscillator(2.42, 20.0, 2310.0, 20_000.0, 3.0), 0.05
+    one = lines_of(steady_orbit(osc, BaseMotion(0.004, 70.0)), 4e-8, count=8)
+    x = harmonics_of(osc, one.Y, 70.0, Departure(third=base), one.n)
+    Y = 1.01 * one.Y
+    read = replace(one, x=x, Y=Y, base=base * Y * np.array([0.0, 1.0 + 0j]))
+    problem = HarmonicProblem(Law(), (read,), osc.k)
+    values = {"F_k": osc.F_k, "c": osc.c, "rho": osc.K_z**-0.5, "m": osc.m, "gain": 0.01}
+    point = problem.parameters.moved(**values, **{"Y[1]": one.Y})
+
+    def chi_square(at):
+        residual = problem.evaluate(at.values, at.free, Trail())[:, -1]
+        return residual @ residual
+
+    # the integrator's error is a tenth of the noise stated
+    assert chi_square(point) < 0.1
+    assert chi_square(point.moved(gain=0.0)) > 1e3

@@ -35,7 +35,7 @@ def in_frame(channel, taken_for, hz=3.5, base="base_displacement"):
 @pytest.mark.parametrize(
     ("channel", "taken_for", "hz", "base"),
     [
-        ("relative_acceleration", "acceleration", 3.5, "base_acceleration"),
+        ("relative_displacement", "displacement", 3.5, "base_displacement"),
         ("velocity", "relative_velocity", 4.92, "base_displacement"),
         ("displacement", "displacement", 3.5, "base_displacement"),  # right
     ],
