@@ -9,10 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from blind.decays import draw, record
 from dampbalance.fit.decay import Decay, DecayFit
 from dampbalance.fit.multistart import multistart
 from dampbalance.fit.search import in_the_band, to_the_end
 from dampbalance.fit.swings import Swings
+from dampbalance.identification.decays import identify_decay_records
 from dampbalance.signals.bursts import Burst
 from fit.exact import decay_of, fitted, off
 
@@ -82,6 +84,23 @@ def test_an_interval_covers_all_minima_that_are_as_good():
     assert near[0] == alone[0]
     reach = math.sqrt(LEVEL - 1.0) * best.error("rho")
     assert near[1] == pytest.approx(1.1 * best.rho + reach, rel=1e-3)
+
+
+def test_an_interval_holds_every_contact_that_explains_the_decay_as_well():
+    """χ² has several minima along K_z where noise hides the ringing: held there, climbs from the truth are as good."""
+    noisy = replace(draw(14, 91), answers=("velocity",), noise=0.05)
+    fit = identify_decay_records([record(noisy, 14)[0]], noisy.k).basis.fit
+    low, high = fit.K_z_interval
+    likely = []
+    for stiffness in noisy.K_z * np.geomspace(0.25, 4.0, 9):
+        truth = {"F_k": noisy.F_k, "c": noisy.c, "rho": stiffness**-0.5, "m": noisy.m}
+        end = fit.problem.climb(fit.parameters.moved(**truth).held("rho"))
+        if end is not None and end.chi_square < fit.chi_square + 0.7 * LEVEL:
+            likely.append(stiffness)
+    assert likely
+    # half a standard error from one point of the profile to the next
+    margin = 0.5 * fit.error("rho")
+    assert all(low**-0.5 + margin > s**-0.5 > high**-0.5 - margin for s in likely)
 
 
 def test_the_swings_tell_friction_damping_and_mass():
