@@ -8,7 +8,7 @@ import numpy as np
 
 from dampbalance import Oscillator, transient
 from dampbalance.fit.decay import STATE, Decay, DecayFit, DecayProblem
-from dampbalance.fit.parameters import Parameters
+from dampbalance.fit.fit import Fit
 from dampbalance.motion.unknowns import OSCILLATOR_UNKNOWNS
 from dampbalance.signals.bursts import Signal
 
@@ -31,16 +31,15 @@ def decay_of(
     return Decay("", 0.0, float(t[-1]), (signal,), 2.0 * math.pi * math.sqrt(m / k))
 
 
-def start_of(problem: DecayProblem, point: np.ndarray, held: str = "") -> Parameters:
-    """F_k, c, ρ, m, offset and start state of a decay as a fit takes them.   held : one that keeps its value."""
-    free = [name for name in OSCILLATOR_UNKNOWNS if name != held]
-    values = dict(zip((*OSCILLATOR_UNKNOWNS, "offset", *STATE), point.tolist(), strict=True))
-    return problem.parameters(values, free)
-
-
-def fitted(decay: Decay, k: float, point: np.ndarray, held: str = "", most: int = 30) -> DecayFit:
-    """The fit in which a climb from some unknowns ends, see `start_of`."""
+def fitted(decay: Decay, k: float, point: np.ndarray) -> DecayFit:
+    """The fit in which a climb from F_k, c, ρ, m, offset and start state of a decay ends."""
     problem = DecayProblem((decay,), k)
-    fit = problem.climb(start_of(problem, point, held), most=most)
+    values = dict(zip((*OSCILLATOR_UNKNOWNS, "offset", *STATE), point.tolist(), strict=True))
+    fit = problem.climb(problem.parameters(values, OSCILLATOR_UNKNOWNS))
     assert fit is not None
     return fit
+
+
+def off(fit: Fit, **truth: float) -> float:
+    """How far numbers of a fit are from the truth, in standard errors: the farthest of them."""
+    return max(abs(fit.value(name) - true) / fit.error(name) for name, true in truth.items())

@@ -1,13 +1,17 @@
-"""The climb on sums of squares whose minimum is known: limits, kinks, and where it ends."""
+"""The climb on sums of squares whose minimum is known: limits, kinks, and where it ends; and the one search, on wells
+of known depth."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 from dampbalance.fit.climb import climb
+from dampbalance.fit.fit import Fit
+from dampbalance.fit.multistart import multistart
 from dampbalance.fit.parameters import Parameter, Parameters
 
 H = np.array([[4.0, 1.0], [1.0, 2.0]])  # of a parabola
@@ -45,55 +49,49 @@ def parabola(best, seen=None):
     return products_of(read)
 
 
-@pytest.mark.parametrize("best", [(3.0, -2.0), (1.0, 5.0), (-4.0, 1.0), (1.0, 1.0)])
-def test_it_finds_the_least_value_of_a_parabola(best):
-    # one unknown may be right from the start
-    end = climb(parabola(np.array(best)), start_at(np.ones(2)))
-    # a full step gains less than 5e-8: within 3e-4 of a standard error, of which the larger is 0.8
-    assert end.point == pytest.approx(best, abs=3e-4)
-
-
 @pytest.mark.parametrize(
-    ("best", "start", "lower", "upper", "expected"),
+    ("best", "start", "lower", "upper", "free", "expected"),
     [
+        ((3.0, -2.0), (1.0, 1.0), -math.inf, math.inf, True, (3.0, -2.0)),
+        ((1.0, 5.0), (1.0, 1.0), -math.inf, math.inf, True, (1.0, 5.0)),  # one is right already
         # with p₀ at 2 the other unknown follows: H₁₁ (p₁ − 5) = −H₁₀ (2 − best₀)
-        ((1.0, 5.0), (4.0, 0.0), 2.0, math.inf, (2.0, 4.5)),
+        ((1.0, 5.0), (4.0, 0.0), 2.0, math.inf, True, (2.0, 4.5)),
         # a start below the limit begins at it, and one that is held there is let go again
-        ((3.0, 5.0), (0.0, 0.0), 2.0, math.inf, (3.0, 5.0)),
-        ((3.0, 5.0), (1.0, 1.0), -math.inf, 2.0, (2.0, 5.5)),
+        ((3.0, 5.0), (0.0, 0.0), 2.0, math.inf, True, (3.0, 5.0)),
+        ((3.0, 5.0), (1.0, 1.0), -math.inf, 2.0, True, (2.0, 5.5)),
+        # one that is not free keeps its value beyond its limits
+        ((1.0, 5.0), (0.0, 1.0), 2.0, math.inf, False, (0.0, 5.5)),
     ],
-    ids=["lower", "released", "upper"],
+    ids=["both", "one", "lower", "released", "upper", "held"],
 )
-def test_limits_hold(best, start, lower, upper, expected):
-    start = start_at(start, (lower, -math.inf), (upper, math.inf))
+def test_it_finds_the_least_value_of_a_parabola_within_limits(
+    best, start, lower, upper, free, expected
+):
+    start = start_at(start, (lower, -math.inf), (upper, math.inf), (free, True))
     end = climb(parabola(np.array(best)), start)
-    assert end.point == pytest.approx(expected, abs=1e-4)
+    # a full step gains less than 5e-8: within 3e-4 of a standard error, of which the larger is 0.8
+    assert end.point == pytest.approx(expected, abs=3e-4)
 
 
-def test_an_unknown_that_is_not_free_keeps_its_value_beyond_its_limits():
-    start = np.array([0.0, 1.0])
-    at = start_at(start, (2.0, -math.inf), free=(False, True))
-    end = climb(parabola(np.array([1.0, 5.0])), at)
-    assert end.point[0] == 0.0
-    # H₁₁ (p₁ − 5) = −H₁₀ (0 − 1)
-    assert end.point[1] == pytest.approx(5.5, abs=1e-4)
-    assert start.tolist() == [0.0, 1.0]
+@pytest.mark.parametrize(("least", "lowest"), [(1e-6, 0.2), (0.0, 0.0)])
+def test_a_positive_unknown_falls_to_a_fifth_in_a_step_and_one_that_may_be_zero_at_once(
+    least, lowest
+):
+    seen: list[np.ndarray] = []
+    start = start_at((1.0, 12.0), (least, -math.inf), scale=1e-9)
+    climb(parabola(np.array([-50.0, 0.0]), seen), start)
+    assert seen[1][0] == pytest.approx(lowest, abs=1e-12)
 
 
-def test_a_positive_unknown_falls_to_a_fifth_in_a_step_and_one_that_may_be_zero_at_once():
-    for least, lowest in ((1e-6, 0.2), (0.0, 0.0)):
-        seen: list[np.ndarray] = []
-        start = start_at((1.0, 12.0), (least, -math.inf), scale=1e-9)
-        climb(parabola(np.array([-50.0, 0.0]), seen), start)
-        assert seen[1][0] == pytest.approx(lowest, abs=1e-12)
-
-
-def test_it_gives_chi_square_and_the_products_where_it_ended():
-    best = np.array([3.0, -2.0])
-    end = climb(parabola(best), start_at(np.zeros(2)), most=1)
+def test_it_gives_chi_square_the_products_and_what_a_further_step_promises():
+    best, start = np.array([3.0, -2.0]), start_at(np.zeros(2))
+    end = climb(parabola(best), start, most=1)
     assert end.chi_square == pytest.approx(best @ H @ best)
     assert end.products[:-1, :-1] == pytest.approx(H)
     assert end.products[:-1, -1] == pytest.approx(-H @ best)
+    # of a parabola a full step gains all that there is
+    assert end.promise == pytest.approx(0.5 * best @ H @ best)
+    assert climb(parabola(best), start).promise < 5e-8
 
 
 def test_columns_that_hardly_differ_are_told_apart():
@@ -119,8 +117,7 @@ def test_a_climb_ends_where_no_step_helps_and_after_so_many_evaluations():
     # from afar: the best point on the way, before the last of the evaluations
     made.clear()
     end = climb(kink, start_at(np.array([9.0])), most=4)
-    assert end.evaluations == 4
-    assert len(made) == 4
+    assert end.evaluations == len(made) == 4
     assert end.point[0] in made
 
 
@@ -135,9 +132,72 @@ def test_places_where_the_model_does_not_apply_are_stepped_back_from():
     assert climb(evaluate, start_at(np.array([4.0, 0.0]))) is None
 
 
-def test_it_says_what_a_further_step_promises():
-    best, start = np.array([3.0, -2.0]), np.zeros(2)
-    one = climb(parabola(best), start_at(start), most=1)
-    # of a parabola a full step gains all that there is
-    assert one.promise == pytest.approx(0.5 * best @ H @ best)
-    assert climb(parabola(best), start_at(start)).promise < 5e-8
+# χ² where a softened climb in a well ends → where it ends once refined: the best is not the nearest at first
+WELLS = ((900, 800), (500, 450), (510, 440), (510.1, 440), (520, 300), (530, 200))
+OFF = 0.2  # by which a softened well lies off
+
+
+@dataclass(frozen=True)
+class Wells:
+    """Parabolas along x, one about each whole number; softened, all are as deep, and hopeless."""
+
+    made: list[float]
+    softening: float = 0.0
+    samples: int = 1
+
+    def products(self, values, free, trail, out):
+        trail.left -= 1.0
+        self.made.append(self.softening)
+        first, depth = WELLS[round(values[0]) % len(WELLS)]
+        off, part = values[0] - round(values[0]), (first - depth) / OFF**2
+        if self.softening:
+            off, depth, part = off - OFF, 100.0, 1.0
+        out[:] = [[part, part * off], [part * off, depth + part * off**2]]
+        return True
+
+    def thinned(self):
+        return self
+
+    def softened(self, part):
+        return replace(self, softening=part)
+
+    def fit(self, end):
+        return Fit(end.parameters, np.eye(1), end.chi_square, 1.0, self, (), end.evaluations)
+
+
+STARTS = [Parameters.of([Parameter("x", float(i))]) for i in range(len(WELLS))]
+
+
+def searched(starts=STARTS, enough=10.0, **options):
+    """What a search finds, and the evaluations that it made."""
+    made = []
+    options = {"softening": (1e-2,), "hopeless": 4.0, **options}
+    return multistart(
+        Wells(made), starts, enough=lambda end: end.chi_square < enough, **options
+    ), made
+
+
+def test_of_climbs_that_end_far_away_the_three_nearest_are_refined():
+    fits, made = searched(refined=3)
+    assert fits[0].chi_square == pytest.approx(300.0)  # of two that end alike at first one is taken
+    assert fits[0].evaluations == len(made)
+
+
+def test_unless_asked_none_that_is_hopeless_is_refined():
+    fits, made = searched()
+    assert fits[0].chi_square == pytest.approx(500.0, rel=1e-3)
+    assert made.count(0.0) == len(WELLS)
+    # not softened to its end, all are refined
+    assert searched(hopeless=math.inf)[0][0].chi_square == pytest.approx(200.0)
+
+
+def test_a_search_ends_with_its_budget_and_with_what_is_enough():
+    fits, made = searched(budget=2.0)
+    assert [one.chi_square for one in fits] == pytest.approx([900.0], rel=1e-3)
+    assert len(made) <= 8
+    assert len(searched(enough=1e3, softening=())[1]) <= 3
+
+
+def test_what_all_agree_in_is_one_minimum():
+    fits, _ = searched([STARTS[5], STARTS[5].moved(x=4.9)], hopeless=math.inf)
+    assert len(fits) == 1

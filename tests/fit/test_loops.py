@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 from dampbalance.fit.loop_design import Design
 from dampbalance.fit.loops import slider, weigh
 from dampbalance.signals.loops import Loop, corners, middles, turning_points
+from fit.exact import off
 
 F_K, K_Z, K, C, X, RATE = 10.0, 5e4, 300.0, 3.0, 1e-3, 500.0
+FAR = 5.0  # standard errors are exceeded once in 20,000 cases of 18 degrees of freedom
+TRUTH = {"F_k": F_K, "K_z": K_Z, "c": C}
 T = np.arange(0.0, 20.0, 1.0 / RATE)
 SINE = X * np.sin(2.0 * np.pi * T)
 TRIANGLE = X * (4.0 * np.abs((T + 0.25) % 1.0 - 0.5) - 1.0)
@@ -33,10 +37,8 @@ def loop(x=SINE, *, seed=0, noise=0.01, c=C, gap=0.0, sign=1.0, contact=((K_Z, F
     return Loop.of("loop", T, x, sign * noisy)
 
 
-def fitted(*loops, backlash=False):
-    """One slider, or one with a dead band where it is there."""
-    design = Design(loops)
-    return weigh(design).fit if backlash else slider(design)
+def fitted(*loops):
+    return slider(Design(loops))
 
 
 @pytest.mark.parametrize("late", [0.0, 0.2, 0.5, 0.9])
@@ -63,52 +65,49 @@ def test_a_slider_with_spring_and_damper_is_identified(x):
     # requirement at 1 % of noise: F_k within 1 %, K_z within 5 %
     assert fit.value("F_k") == pytest.approx(F_K, rel=0.01)
     assert fit.value("K_z") == pytest.approx(K_Z, rel=0.05)
-    for symbol, true in {"F_k": F_K, "K_z": K_Z, "k": K, "c": C}.items():
-        # five standard errors are exceeded once in 20,000 cases of 19 degrees of freedom
-        assert abs(fit.value(symbol) - true) < 5.0 * fit.error(symbol), symbol
+    assert off(fit, F_k=F_K, K_z=K_Z, k=K, c=C) < FAR
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
-    from scipy.stats import t as student
-
     inside = []
-    for seed in range(60):
+    for seed in range(20):
         fit = fitted(loop(seed=seed))
         reach = student.ppf(0.975, fit.freedom)
-        inside += [
-            abs(fit.value(s) - true) < reach * fit.error(s)
-            for s, true in {"F_k": F_K, "K_z": K_Z, "c": C}.items()
-        ]
-    # 180 with a probability of 95 %, three of a fit being one: 4 σ = 4·√(0.95·0.05/60) is 11 %
-    assert np.mean(inside) > 0.84
+        inside += [off(fit, **{s: true}) < reach for s, true in TRUTH.items()]
+    # 60 with a probability of 95 %, three of a fit being one: 4 σ = 4·√(0.95·0.05/20) is 19 %
+    assert np.mean(inside) > 0.76
 
 
 @pytest.mark.parametrize("x", [SINE, TRIANGLE], ids=["sine", "triangle"])
 def test_noise_of_the_displacement_rounds_no_corner(x):
     """Of 0.2 % of its range, of which 1 % of the way to slip is left: a slider that reverses with it is 20 % off."""
-    own = loop(x, c=0.0)
     noisy = x + 0.004 * X * np.random.default_rng(6).normal(size=T.size)
-    fit = fitted(Loop.of("noisy", T, noisy, own.f).settled())
+    fit = fitted(Loop.of("noisy", T, noisy, loop(x, c=0.0).f).settled())
     assert fit.value("F_k") == pytest.approx(F_K, rel=0.005)
-    for symbol, true in {"F_k": F_K, "K_z": K_Z}.items():
-        # five standard errors are exceeded once in 20,000 cases of 18 degrees of freedom
-        assert abs(fit.value(symbol) - true) < 5.0 * fit.error(symbol), symbol
+    assert off(fit, F_k=F_K, K_z=K_Z) < FAR
 
 
-def test_a_force_of_the_speed_and_a_hardening_spring_are_told_from_a_slider():
-    v = np.gradient(SINE, T)
-    noise = 0.01 * F_K * np.random.default_rng(7).normal(size=T.size)
-    v_0 = 0.3 * 2.0 * np.pi * X
-    rounded = loop(contact=()).f + F_K * np.tanh(v / v_0)
-    hard = loop().f + 5.0 * (SINE / X) ** 3 + noise
-    for force, name, truth in (
-        (rounded, "rounded", {"F_k": F_K, "v_0": v_0}),
-        (hard, "k_3", {"F_k": F_K, "K_z": K_Z, "k_3": 5.0 / X**3}),
-    ):
-        found = weigh(Design([Loop.of(name, T, SINE, force).settled()]))
-        assert found.names == (name,)
-        for symbol, true in truth.items():
-            assert abs(found.fit.value(symbol) - true) < 5.0 * found.fit.error(symbol), symbol
+V = np.gradient(SINE, T)
+V_0 = 0.3 * 2.0 * np.pi * X
+
+
+@pytest.mark.parametrize(
+    ("force", "name", "truth"),
+    [
+        (loop(contact=()).f + F_K * np.tanh(V / V_0), "rounded", {"F_k": F_K, "v_0": V_0}),
+        (loop().f + 5.0 * (SINE / X) ** 3, "k_3", {"F_k": F_K, "K_z": K_Z, "k_3": 5.0 / X**3}),
+        (loop().f, "", TRUTH),
+        (loop(gap=1e-4).f, "gap", TRUTH | {"g": 1e-4}),
+    ],
+)
+def test_what_the_loops_hold_is_told_from_a_slider(force, name, truth):
+    found = weigh(Design([Loop.of(name, T, SINE, force).settled()]))
+    assert found.names == ((name,) if name else ())
+    assert off(found.fit, **truth) < FAR
+
+
+def test_a_dead_band_is_named_nowhere_else():
+    assert not any("g" in weigh(Design([loop(seed=s)])).fit.parameters for s in range(3))
 
 
 def test_a_force_of_the_other_sign_is_turned():
@@ -117,23 +116,12 @@ def test_a_force_of_the_other_sign_is_turned():
     np.testing.assert_array_equal(own.f, other.f)
 
 
-def test_a_dead_band_is_named_where_it_is_and_nowhere_else():
-    fit = fitted(loop(gap=1e-4), backlash=True)
-    assert fit.value("g") == pytest.approx(1e-4, rel=0.01)
-    assert fit.value("K_z") == pytest.approx(K_Z, rel=0.05)
-    assert fit.value("F_k") == pytest.approx(F_K, rel=0.01)
-    assert [s for s in range(10) if "g" in fitted(loop(seed=s), backlash=True).parameters] == []
-
-
-def test_a_triangle_does_not_determine_c():
+def test_a_triangle_determines_c_at_two_speeds_only():
     design = Design([loop(TRIANGLE)])
     assert not design.with_c
     fit = weigh(design).fit
     assert fit.value("F_k") == pytest.approx(F_K + C * 4.0 * X, rel=0.01)
     assert fit.value("K_z") == pytest.approx(K_Z, rel=0.05)
-
-
-def test_two_speeds_of_a_triangle_determine_c():
     slow = np.interp(0.5 * T, T, TRIANGLE)
     design = Design([loop(TRIANGLE, c=300.0), loop(slow, c=300.0, seed=1)])
     assert design.with_c
@@ -144,16 +132,10 @@ def test_two_speeds_of_a_triangle_determine_c():
 
 def test_many_sliders_are_chosen_where_there_are_many():
     contact = [(1e4, 1e-5 * 60 * 0.7**j) for j in range(8)]
-    design = Design([loop(contact=contact)])
-    weighed = weigh(design)
-    gradual = weighed.fit
+    weighed = weigh(Design([loop(contact=contact)]))
     assert weighed.names == ("gradual",)
-    assert gradual.value("F_k") == pytest.approx(sum(a * r for a, r in contact), rel=0.02)
-    assert gradual.value("K_z") == pytest.approx(8e4, rel=0.05)
-
-
-def test_one_slider_is_kept_where_there_is_one():
-    assert weigh(Design([loop()])).names == ()
+    assert weighed.fit.value("F_k") == pytest.approx(sum(a * r for a, r in contact), rel=0.02)
+    assert weighed.fit.value("K_z") == pytest.approx(8e4, rel=0.05)
 
 
 def test_a_contact_that_only_sticks_has_no_friction_force():

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import math
-import time
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.fit import steady_search as fitting
-from dampbalance.fit.climb import climb
+from dampbalance.fit.goodness import improbable, linear_fit
 from dampbalance.fit.multistart import Trail
 from dampbalance.fit.parameters import Parameters
+from dampbalance.fit.starts import starts
 from dampbalance.fit.steady_search import fit_records, refit
 from dampbalance.fit.waveforms import HarmonicProblem, WaveformFit
 from dampbalance.law.law import Law
-from dampbalance.motion.law_steady import Response, steady_response
+from dampbalance.motion.law_steady import Response
 from dampbalance.motion.regime import Regime
+from dampbalance.signals.thresholds import P_OF_THE_MODEL
 from fit.sampled import covariance
 from paper_case import FREQUENCIES_HZ, LEVELS, NEAR, PAPER, motions_at, orbits_at
 from signals.harmonics import lines_of
@@ -30,32 +33,37 @@ EXACT = 1e-8  # m
 CLOSE = 1e-3
 
 
-def off(fit: WaveformFit, osc: Oscillator) -> np.ndarray:
+def scores(fit: WaveformFit, osc: Oscillator) -> np.ndarray:
     """F_k, c, K_z^{−1/2} and, unless it was given, m of the fit less the truth, in standard errors."""
     true = (osc.F_k, osc.c, osc.K_z**-0.5, osc.m)
     known = [(name, at) for name, at in zip(NAMES, true, strict=True) if fit.error(name)]
     return np.array([(fit.value(name) - at) / fit.error(name) for name, at in known])
 
 
+def off(fit: WaveformFit, osc: Oscillator) -> float:
+    """The farthest of them."""
+    return float(np.abs(scores(fit, osc)).max())
+
+
 @pytest.mark.parametrize(
     ("osc", "at", "regimes"),
     [
-        *[(PAPER, [(hz, Y) for Y in LEVELS], {1}) for hz in FREQUENCIES_HZ.values()],
+        (PAPER, [(4.92, Y) for Y in LEVELS], {1}),
         (PAPER, [(3.5, 0.004), (4.92, 0.008), (11.1, 0.012)], {1}),
         (PAPER, [(4.92, 0.012)], {1}),
         (PAPER, [(4.92, 0.0003), (4.92, 0.004), (4.92, 0.012)], {1, 3}),
         (replace(WEAK, c=10.0), [(1.6, 0.0008), (1.6, 0.0014)], {1, 2}),
-        (WEAK, [(1.6, 0.0008), (1.6, 0.0014)], {2}),
         (replace(PAPER, K_z=2e8), [(4.92, Y) for Y in LEVELS], {1}),  # sticks for 1e-3 of a cycle
         (replace(PAPER, c=400.0), [(4.92, Y) for Y in LEVELS], {1}),  # over-damped in slip
+        (Oscillator(2.0, 30.0, 2000.0, 6000.0, 4.0), [(6.0, Y) for Y in LEVELS[::2]], {1}),
     ],
-    ids=["4.92", "3.5", "11.1", "mixed", "one", "stuck level", "slips differ", "slips", "hard", "ζ>1"],
-)  # fmt: skip
+    ids=["near", "mixed", "one", "stuck level", "slips differ", "hard", "ζ>1", "soft"],
+)
 def test_exact_harmonics_give_the_exact_oscillator_in_every_regime(osc, at, regimes):
     orbits = [steady_orbit(osc, BaseMotion(Y, 2.0 * math.pi * hz)) for hz, Y in at]
     assert {int(orbit.regime) for orbit in orbits} == regimes
     fit = fit_records([lines_of(orbit, EXACT) for orbit in orbits], osc.k)
-    assert np.abs(off(fit, osc)).max() < CLOSE
+    assert off(fit, osc) < CLOSE
     assert fit.chi_square < 1e-5
     assert fit.adequate
     assert not fit.rigid
@@ -71,22 +79,6 @@ def test_exact_harmonics_give_the_exact_oscillator_in_every_regime(osc, at, regi
         # odd harmonics beyond those that were given
         beyond = orbit.harmonics(30)[12:]
         assert waveform.tail[12:30] == pytest.approx(beyond, abs=1e-4 * abs(beyond[0]) + EXACT)
-
-
-@pytest.mark.parametrize(
-    ("osc", "hz", "regime"),
-    [
-        *((PAPER, hz, Regime.ONE_SLIP) for hz in FREQUENCIES_HZ.values()),
-        (Oscillator(m=2.0, c=30.0, k=2000.0, K_z=6000.0, F_k=4.0), 6.0, Regime.ONE_SLIP),  # soft
-        (Oscillator(2.42, 3.0, 2310.0, 2e4, 5.0), 0.8, Regime.SEVERAL_SLIPS),
-    ],
-)
-def test_a_fit_holds_from_starts_that_need_no_orbits(osc, hz, regime):
-    orbits = orbits_at(hz, (0.004, 0.008, 0.012), osc)
-    assert orbits[-1].regime == regime
-    fit = fit_records([lines_of(orbit, EXACT) for orbit in orbits], osc.k)
-    assert fit.adequate
-    assert np.abs(off(fit, osc)).max() < 1e-2
 
 
 def residuals() -> tuple[HarmonicProblem, Parameters]:
@@ -114,13 +106,7 @@ def test_numbers_that_no_oscillator_has_are_no_motion(name, value):
 
 @pytest.mark.parametrize(
     ("error", "hidden"),
-    [
-        (ZeroDivisionError("float division by zero"), True),
-        (OverflowError("math range error"), True),
-        (np.linalg.LinAlgError("Singular matrix"), True),
-        (ValueError("operands could not be broadcast together"), False),
-        (IndexError("index 3 is out of bounds"), False),
-    ],
+    [(ZeroDivisionError, True), (OverflowError, True), (ValueError, False), (IndexError, False)],
 )
 def test_a_defect_is_not_taken_for_a_point_without_motion(error, hidden, monkeypatch):
     def failing(*_, **__):
@@ -128,11 +114,8 @@ def test_a_defect_is_not_taken_for_a_point_without_motion(error, hidden, monkeyp
 
     of, at = residuals()
     monkeypatch.setattr("dampbalance.motion.law_steady.steady_orbit_near", failing)
-    if hidden:
+    with nullcontext() if hidden else pytest.raises(error):
         assert evaluated(of, at) is None
-    else:
-        with pytest.raises(type(error)):
-            evaluated(of, at)
 
 
 def test_what_was_evaluated_before_changes_no_residual():
@@ -163,49 +146,39 @@ def test_slopes_are_those_of_orbits_beside():
         return orbit.harmonics(count) * np.exp(1j * n * psi), onset, 2.0 * F_k * rho**2
 
     for i, waveform in enumerate(fit.waveforms):
+        slopes = (waveform.tail_slope[:count], waveform.onset_slope, waveform.length_slope[None])
         for j in np.flatnonzero(fit.parameters.free):
-            step = 1e-5 * (fit.point[j] or 1.0)
-            beside = np.zeros(fit.point.size)
-            beside[j] = step
+            size = abs(fit.point[j] or 1.0)
+            beside = 1e-5 * size * np.eye(fit.point.size)[j]
             high, low = of(fit.point + beside, i), of(fit.point - beside, i)
-            for slope, above, below in zip(
-                (
-                    waveform.tail_slope[:count, j],
-                    waveform.onset_slope[:, j],
-                    waveform.length_slope[j],
-                ),
-                high,
-                low,
-                strict=True,
-            ):
-                expected = (above - below) / (2.0 * step)
+            for slope, above, below in zip(slopes, high, low, strict=True):
+                expected = (above - below) / (2.0 * beside[j])
                 # one-sided differences of 1e-6 times the curvature, a few to some tens
-                scale = np.abs(above).max() / abs(fit.point[j] or 1.0)
-                assert np.abs(slope - expected).max() < 5e-5 * max(np.abs(expected).max(), scale)
+                scale = max(np.abs(expected).max(), np.abs(above).max() / size)
+                assert np.abs(slope[:, j] - expected).max() < 5e-5 * scale
 
 
 def test_what_moves_a_datum_moves_the_answer_as_the_response_says():
     """Against fits to the moved data."""
     lines = [lines_of(orbit, 1e-6) for orbit in orbits_at(3.5, (0.006, 0.012))]
     fit = fit_records(lines, PAPER.k)
+    errors = np.sqrt(np.diag(fit.covariance))
+    free, by = errors > 0.0, 1e-6 * np.eye(2, 12)
     for i, place in enumerate(fit.problem.places):
-        for datum, change in (
-            (0, {"Y": 1e-6}),
-            (2, {"x": np.eye(1, 12)[0] * 1e-6}),
-            (3, {"x": np.eye(1, 12, 1)[0] * 1e-6}),
-            (2 + 12, {"x": np.eye(1, 12)[0] * 1e-6j}),
-            (2 + 13, {"x": np.eye(1, 12, 1)[0] * 1e-6j}),
+        for datum, name, change in (
+            (0, "Y", 1e-6),
+            *(
+                (2, "x", by[0]),
+                (3, "x", by[1]),
+                (2 + 12, "x", 1j * by[0]),
+                (2 + 13, "x", 1j * by[1]),
+            ),
         ):
             moved = list(lines)
-            moved[i] = replace(
-                lines[i], **{name: getattr(lines[i], name) + by for name, by in change.items()}
-            )
-            beside = fit_records(moved, PAPER.k)
-            expected = fit.response[:, place][:, datum]
-            errors = np.sqrt(np.diag(fit.covariance))
-            free = errors > 0.0
+            moved[i] = replace(lines[i], **{name: getattr(lines[i], name) + change})
+            away = fit_records(moved, PAPER.k).point - fit.point - fit.response[:, place][:, datum]
             # a standard deviation is within the straight part, to 1 % of what moves
-            assert np.abs((beside.point - fit.point - expected)[free] / errors[free]).max() < 0.01
+            assert np.abs(away[free] / errors[free]).max() < 0.01
 
 
 @pytest.fixture(scope="module")
@@ -218,7 +191,7 @@ def draws() -> list[WaveformFit]:
     ]
 
 
-def test_the_misfit_is_that_of_noise(draws):
+def test_misfits_and_estimates_scatter_as_they_say(draws):
     freedom = 3 * 16 + 3 * 2 - 4 - 3 * 2
     assert {fit.freedom for fit in draws} == {freedom}
     # χ² of f degrees of freedom scatters by √(2f); 60 draws: three standard errors of the mean, 25 % for the scatter
@@ -226,14 +199,7 @@ def test_the_misfit_is_that_of_noise(draws):
     assert misfits.mean() == pytest.approx(1.0, abs=3.0 * math.sqrt(2.0 / freedom / 60))
     assert misfits.std() == pytest.approx(math.sqrt(2.0 / freedom), rel=0.3)
     assert all(fit.adequate for fit in draws)
-    for fit in draws[:3]:
-        assert fit.chi_square == pytest.approx(float(fit.residual @ fit.residual))
-        sizes = [place.stop - place.start for place in fit.problem.places]
-        assert fit.misfits @ sizes == pytest.approx(fit.chi_square)
-
-
-def test_estimates_scatter_about_the_truth_as_their_errors_say(draws):
-    z = np.array([off(fit, PAPER) for fit in draws])
+    z = np.array([scores(fit, PAPER) for fit in draws])
     # 60 draws: three standard errors of mean and scatter
     assert np.abs(z.mean(axis=0)).max() < 3.0 / math.sqrt(60)
     assert np.abs(z.std(axis=0, ddof=1) - 1.0).max() < 3.0 / math.sqrt(2 * 59)
@@ -261,8 +227,7 @@ def test_the_length_of_the_line_is_freed_of_its_bias():
     assert math.sqrt(np.mean(variances)) == pytest.approx(lengths.std(ddof=1), rel=0.3)
 
 
-@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
-@pytest.mark.parametrize("free", [("m",), ()], ids=["m free", "m given"])
+@pytest.mark.parametrize(("hz", "free"), [(4.92, ("m",)), (3.5, ()), (11.1, ("m",))])
 def test_errors_are_those_of_the_cramer_rao_bound(hz, free):
     rate_hz, cycles, sigma = 4000.0, 50.0, 1e-6
     # standard deviation of a Fourier coefficient of n samples: σ √(2/n)
@@ -292,42 +257,17 @@ def test_a_mass_that_is_given_sharpens_what_it_agrees_with_and_contradicts_what_
     assert wrong.chi_square - free.chi_square > 100.0
 
 
-@pytest.mark.parametrize(
-    ("late", "mass"), [(2e-4, None), (-2e-4, PAPER.m)], ids=["m free", "m given"]
-)
-def test_a_delay_between_the_channels_is_found(late, mass):
-    rng = np.random.default_rng(7)
-    late_lines = [lines_of(o, 5e-8, rng, late=late) for o in orbits_at(4.92, (0.004, 0.01))]
-    fit = fit_records(late_lines, PAPER.k)
-    if mass is not None:
-        fit = refit(fit, given={"m": mass})
-    assert fit.value("delay") == 0.0
-    delayed = refit(fit, ["delay"])
-    assert delayed.freedom == fit.freedom - 1
-    assert delayed.adequate
-    assert abs(delayed.value("delay") - late) < 4.0 * delayed.error("delay")
-    assert delayed.error("delay") < 0.2 * abs(late)
-    assert np.abs(off(delayed, PAPER)).max() < 4.0
-    assert (delayed.error("m") == 0.0) == (mass is not None)
-    assert fit.chi_square - delayed.chi_square > 50.0  # what the free delay explains
-
-
 def test_limits_are_reached_and_said():
     rng = np.random.default_rng(3)
     orbits = orbits_at(11.1, (0.006, 0.012), replace(PAPER, c=0.0))
     fits = [fit_records([lines_of(o, 1e-6, rng) for o in orbits], PAPER.k) for _ in range(8)]
     assert all(fit.c >= 0.0 for fit in fits)
     assert {fit.c == 0.0 for fit in fits} == {True, False}  # noise puts c on either side
-    hard = [
-        fit_records(
-            [lines_of(o, 2e-5, rng) for o in orbits_at(NEAR, osc=replace(PAPER, K_z=1e9))], PAPER.k
-        )
-        for _ in range(8)
-    ]
+    stiff = orbits_at(NEAR, osc=replace(PAPER, K_z=1e9))
+    hard = [fit_records([lines_of(o, 2e-5, rng) for o in stiff], PAPER.k) for _ in range(8)]
     assert {fit.rigid for fit in hard} == {True, False}
     for fit in hard:
-        assert math.isinf(fit.K_z) == fit.rigid
-        assert math.isinf(fit.K_z_error) == fit.rigid
+        assert math.isinf(fit.K_z) == math.isinf(fit.K_z_error) == fit.rigid
         assert fit.K_z_interval[0] < 1e9 < fit.K_z_interval[1] == math.inf
         assert abs(fit.F_k - PAPER.F_k) < 4.0 * fit.error("F_k")
 
@@ -345,23 +285,9 @@ def test_from_a_side_minimum_along_the_stiffness_the_search_goes_on(apart, monke
     monkeypatch.setattr(fitting, "starts", lambda *_, **options: wrong)
     fit = fit_records(lines, osc.k)
     assert fit.adequate
-    assert np.abs(off(fit, osc)).max() < 4.0
+    assert off(fit, osc) < 4.0
     monkeypatch.setattr("dampbalance.fit.multistart.minima_along", lambda *_: [])
     assert not fit_records(lines, osc.k).adequate
-
-
-def test_a_search_for_a_stiff_contact_with_many_slips_ends():
-    """Light damping at a superharmonic resonance, much noise: K_z may run away, and each orbit takes longer."""
-    osc, rng = replace(WEAK, c=0.9, F_k=0.6), np.random.default_rng(7)
-    motions = [BaseMotion(Y, osc.omega_n / 5.0) for Y in (0.0006, 0.0009)]
-    orbits = [steady_orbit(osc, motion) for motion in motions]
-    assert orbits[0].regime is Regime.SEVERAL_SLIPS
-    lines = [lines_of(orbit, 0.02 * orbit.X, rng) for orbit in orbits]
-    began = time.process_time()
-    fit = fit_records(lines, osc.k)
-    assert time.process_time() - began < 60.0  # it takes a few seconds; each orbit alone could
-    assert fit.converged == (fit.promise < 5e-3)
-    assert fit.K_z_interval[0] < osc.K_z
 
 
 def test_records_of_another_kind_are_not_adequate():
@@ -372,83 +298,94 @@ def test_records_of_another_kind_are_not_adequate():
     fit = fit_records([replace(odd[0], x=x), odd[1]], PAPER.k)
     assert not fit.adequate
     assert fit.misfits[0] > 3.0 * fit.misfits[1]
+    assert fit.chi_square == pytest.approx(float(fit.residual @ fit.residual))
+    sizes = [place.stop - place.start for place in fit.problem.places]
+    assert fit.misfits @ sizes == pytest.approx(fit.chi_square)
 
 
-def test_a_search_that_leads_nowhere_ends_and_keeps_the_nearest(monkeypatch):
-    orbits = orbits_at(3.5, (0.004, 0.008, 0.012))
-    lines = [lines_of(orbit, 1e-6) for orbit in orbits]
-    turned = [lines[0], replace(lines[1], x=-lines[1].x), lines[2]]
-    made = []
-
-    def counted(evaluate, *arguments, **options):
-        return climb(lambda *at: made.append(1) or evaluate(*at), *arguments, **options)
-
-    monkeypatch.setattr("dampbalance.fit.multistart.climb", counted)
-    fit = fit_records(turned, PAPER.k)
-    assert not fit.adequate
-    # twice 600 and the climb under way, three that are refined, 600 along K_z, one to its optimum
-    assert len(made) < 2500
-    assert fit.evaluations == pytest.approx(len(made), rel=0.1)
-    assert np.argmax(fit.misfits) == 1
-    made.clear()
-    assert fit_records(lines, PAPER.k).adequate
-    assert len(made) < 60
-
-
-def test_nothing_is_found_where_the_response_gives_energy_to_the_base():
-    (orbit,) = orbits_at(NEAR, (0.008,))
-    lines = lines_of(orbit, EXACT)
+def test_nothing_is_found_where_the_response_gives_energy_or_nothing_slips():
+    lines = lines_of(*orbits_at(NEAR, (0.008,)), EXACT)
     assert fit_records([replace(lines, x=lines.x.conj())], PAPER.k) is None
+    assert refit(fit_records([lines], PAPER.k), given={"m": 1e6}) is None
 
 
-def test_a_mass_with_which_nothing_slips_gives_nothing():
+@pytest.mark.parametrize("hz", FREQUENCIES_HZ.values())
+def test_the_first_start_is_near_the_oscillator(hz):
+    first = starts([lines_of(orbit, 1e-6) for orbit in orbits_at(hz)], PAPER.k)[0]
+    true = np.array([PAPER.F_k, PAPER.c, PAPER.K_z, PAPER.m])
+    # the grid of stiffnesses has steps of 2.15; the others follow from the work and the part in phase
+    assert np.abs(np.log(first / true))[[0, 1, 3]].max() < 0.1
+    assert 0.4 < first[2] / PAPER.K_z < 2.5
+
+
+def test_starts_balance_the_work_of_the_base():
+    lines = [lines_of(orbit, 1e-6) for orbit in orbits_at(NEAR)]
+    found = starts(lines, PAPER.k)
+    assert np.all(found >= 0.0)
+    F_k, c, K_z, _ = found[:20].T  # the closest
+    X, b, W = np.array([(orbit.X, orbit.b, orbit.W) for orbit in orbits_at(NEAR)]).T
+    lost = 4.0 * np.maximum(X[:, None] - F_k / K_z, 0.0) * F_k + b[:, None] * c
+    # each takes as much energy from the records, all together, as went in, as nearly as least squares can
+    assert lost.sum(axis=0) / W.sum() == pytest.approx(1.0, abs=2e-3)
+
+
+def test_the_wide_search_starts_once_from_each_stiffness_with_masses_beyond_the_fundamental():
+    lines = [lines_of(orbit, 1e-6) for orbit in orbits_at(NEAR, (0.008,))]
+    few, many = (starts(lines, PAPER.k, wide=wide) for wide in (False, True))
+    assert len(np.unique(many[:, 2])) == len(many) < len(few)
+    # three decades of masses on the grid, each compared by its exact orbit
+    assert not np.isclose(many[:, 3, None], few[:, 3], rtol=1e-6).any(axis=1).all()
+
+
+LINEAR = replace(PAPER, F_k=0.0)
+
+
+@pytest.mark.parametrize("hertz", [(4.92, 4.92, 4.92), (3.5, 4.92, 11.1)], ids=["one", "three"])
+def test_a_linear_oscillator_is_one_whatever_it_weighs(hertz):
+    orbits = [orbits_at(hz, (Y,), LINEAR)[0] for hz, Y in zip(hertz, LEVELS, strict=False)]
+    exact = [lines_of(orbit, 1e-6) for orbit in orbits]
+    fit = linear_fit(exact, PAPER.k)
+    assert fit.chi_square < 1e-6
+    # c, and one stiffness of the part in phase where there is one frequency, two where there are more
+    unknowns = 2 if len(set(hertz)) == 1 else 3
+    assert fit.freedom == 3 * 2 * 12 - unknowns
+    other = [replace(exact[0], x=1.01 * exact[0].x), *exact[1:]]
+    assert linear_fit(other, PAPER.k).chi_square > 100.0
+
+
+def test_a_contact_that_only_sticks_is_linear_too_and_one_that_slips_is_not():
+    stuck = orbits_at(NEAR, (0.0002, 0.0003))
+    assert {orbit.regime for orbit in stuck} == {Regime.NO_SLIP}
+    assert linear_fit([lines_of(orbit, 1e-8) for orbit in stuck], PAPER.k).chi_square < 1e-6
+    slips = [lines_of(orbit, 1e-6) for orbit in orbits_at()]
+    fit = linear_fit(slips, PAPER.k)
+    assert improbable(fit.chi_square, fit.freedom, slips)
+
+
+def test_a_contact_that_only_sticks_has_the_stiffness_it_has():
+    rng = np.random.default_rng(5)
+    stuck = [lines_of(o, 1e-9, rng) for o in orbits_at(NEAR, (0.0002, 0.0003))]
+    loose = [lines_of(o, 1e-6, rng) for o in orbits_at(NEAR, LEVELS, LINEAR)]
+    # one frequency tells a stiffness from an inertia where the mass is known
+    assert linear_fit(stuck, PAPER.k).sticks is None
+    of_stuck, of_loose = (linear_fit(of, PAPER.k, m=PAPER.m) for of in (stuck, loose))
+    assert of_stuck.sticks is True
+    assert abs(of_stuck.contact - PAPER.K_z) < 4.0 * of_stuck.contact_error < 0.1 * PAPER.K_z
+    assert of_loose.sticks is False
+    assert abs(of_loose.contact) < 4.0 * of_loose.contact_error < 0.01 * PAPER.k
+    # of a mass that is 10 % off, K is off by ω² times that
+    wrong = linear_fit(loose, PAPER.k, m=0.9 * PAPER.m, m_error=0.1 * PAPER.m)
+    omega = 2.0 * math.pi * NEAR
+    assert wrong.contact == pytest.approx(-0.1 * PAPER.m * omega**2, rel=0.01)
+    assert wrong.contact_error == pytest.approx(-wrong.contact, rel=0.01)
+
+
+@pytest.mark.parametrize(("freedom", "rows"), [(2, 8), (40, 60)])
+def test_a_misfit_is_improbable_where_an_F_distribution_says_so(freedom, rows):
     (orbit,) = orbits_at(NEAR, (0.008,))
-    fit = fit_records([lines_of(orbit, EXACT)], PAPER.k)
-    assert refit(fit, given={"m": 1e6}) is None
-
-
-def test_the_errors_that_harmonics_have_decide_what_they_weigh():
-    rng = np.random.default_rng(6)
-    orbits = orbits_at(NEAR, (0.006, 0.012))
-    sure = [lines_of(orbit, 1e-7) for orbit in orbits]
-    worse = [lines_of(orbit, 1e-4, rng) for orbit in orbits]  # a thousand times
-    both = fit_records([*sure, *worse], PAPER.k)
-    alone = fit_records(sure, PAPER.k)
-    assert np.abs(off(both, PAPER)).max() < 0.02  # moved by 1e-3 of its noise, in standard errors
-    assert both.error("c") == pytest.approx(alone.error("c"), rel=1e-5)
-
-
-def test_the_damping_that_is_given_has_no_share_in_the_search():
-    """Where nothing but friction is free, every record has a share of one; next to quadratic damping, whose shares
-    differ by level, a coefficient that is given changes nothing."""
-    lines = tuple(lines_of(orbit, EXACT) for orbit in orbits_at(NEAR))
-
-    def shares(law: Law) -> np.ndarray:
-        return HarmonicProblem(law, lines, PAPER.k).shares.damping
-
-    alone, quadratic = shares(Law(("F_k", "c"), given={"c": 20.0})), shares(Law(("F_k", "c_2")))
-    both = shares(Law(("F_k", "c", "c_2"), given={"c": 20.0}))
-    assert alone.tolist() == [1.0] * len(lines)
-    assert both == pytest.approx(quadratic)
-    assert np.ptp(quadratic) > 0.1
-
-
-@pytest.mark.parametrize("Y", [0.0003, 0.008])
-def test_the_swings_of_the_stuck_mass_are_counted(Y):
-    """While the mass sticks, it swings at the frequency of spring and contact together: half a period of the drive
-    where it never slips, else from the turning point to the onset of slip."""
-    (motion,) = motions_at(NEAR, (Y,))
-    orbit = steady_orbit(PAPER, motion)
-    stuck = 0.5 * motion.period if orbit.regime == Regime.NO_SLIP else orbit.t_s
-    hertz = math.sqrt((PAPER.k + PAPER.K_z) / PAPER.m) / (2.0 * math.pi)
-    assert Response(orbit, 0.0).swings == pytest.approx(stuck * hertz, rel=1e-9)
-
-
-def test_a_law_without_viscous_damping_has_none():
-    law, motion = Law(("F_k", "c_2")), motions_at(NEAR, (0.008,))[0]
-    problem = HarmonicProblem(law, (lines_of(steady_orbit(PAPER, motion), EXACT),), PAPER.k)
-    values = {"F_k": 1.28, "c_2": 400.0, "rho": PAPER.K_z**-0.5, "m": PAPER.m}
-    point = problem.parameters.moved(**values).values
-    expected = steady_response(replace(PAPER, c=0.0), motion, {"c_2": 400.0})
-    found = problem.response(point, 0)
-    np.testing.assert_allclose(found.harmonics(5), expected.harmonics(5), rtol=1e-9)
+    lines = [lines_of(orbit, 1e-6, rows=rows)] * 2
+    # six degrees of freedom of the errors a row: that of a harmonic has two, and its neighbours share it
+    border = freedom * stats.f.isf(P_OF_THE_MODEL, freedom, 2 * 6 * (rows - 1))
+    assert improbable(1.001 * border, freedom, lines)
+    assert not improbable(0.999 * border, freedom, lines)
+    assert not improbable(1e9, 0, lines)

@@ -24,18 +24,18 @@ class Release:
 
     def angles(self, times: np.ndarray) -> np.ndarray:
         found, t, y, s = np.empty(times.size), 0.0, np.array([self.A, 0.0, self.F_k]), 0.0
+
+        def rate(_: float, y: np.ndarray) -> list[float]:
+            back = self.k * (y[0] if self.spring else math.sin(y[0]))
+            stiffness = self.K_z if s == 0.0 and self.F_k > 0.0 else 0.0
+            return [y[1], -(self.c * y[1] + back + y[2]) / self.m, stiffness * y[1]]
+
+        def slips(_: float, y: np.ndarray) -> float:
+            return abs(y[2]) - self.F_k if s == 0.0 else -s * y[1]
+
+        slips.terminal, slips.direction = self.F_k > 0.0, 1.0
+        some = {"events": slips, "dense_output": True, "max_step": 0.05}
         while t < times[-1]:
-
-            def rate(_: float, y: np.ndarray, s: float = s) -> list[float]:
-                back = self.k * (y[0] if self.spring else math.sin(y[0]))
-                stiffness = self.K_z if s == 0.0 and self.F_k > 0.0 else 0.0
-                return [y[1], -(self.c * y[1] + back + y[2]) / self.m, stiffness * y[1]]
-
-            def slips(_: float, y: np.ndarray, s: float = s) -> float:
-                return abs(y[2]) - self.F_k if s == 0.0 else -s * y[1]
-
-            slips.terminal, slips.direction = self.F_k > 0.0, 1.0
-            some = {"events": slips, "dense_output": True, "max_step": 0.05}
             part = solve_ivp(rate, (t, times[-1]), y, "DOP853", rtol=1e-11, atol=1e-14, **some)
             inside = (times > t) & (times <= part.t[-1])
             if inside.any():
@@ -46,11 +46,9 @@ class Release:
             y[2] = np.clip(y[2], -self.F_k, self.F_k)
         return found
 
-    def record(
-        self, seed: int, *, rate_hz: float = 60.0, lasts: float = 25.0
-    ) -> dict[str, np.ndarray]:
+    def record(self, seed: int) -> dict[str, np.ndarray]:
         """Return a record of the angle from before the release on, with noise of 1 mrad."""
-        times = np.arange(1.0, lasts * rate_hz) / rate_hz
+        times = np.arange(1.0, 1500.0) / 60.0
         angles = np.append(np.full(40, self.A), self.angles(times))
         noise = 1e-3 * np.random.default_rng(seed).standard_normal(angles.size)
-        return {"time_s": np.arange(angles.size) / rate_hz, "angle_rad": angles + noise}
+        return {"time_s": np.arange(angles.size) / 60.0, "angle_rad": angles + noise}
