@@ -72,12 +72,16 @@ def visit(browser):
         if not request.url.startswith(("file:", "data:", "blob:", "about:")):
             wrong.append(request.url)
 
+    def said(message):
+        if message.type in ("error", "warning"):
+            wrong.append(message.text)
+
     def window(address, **options):
         context = browser.new_context(offline=True, reduced_motion="reduce", **options)
         opened.append(context)
         page = context.new_page()
         page.set_default_timeout(120_000)  # a busy machine
-        page.on("console", lambda message: wrong.append(message.text))
+        page.on("console", said)
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("request", asked)
         page.goto(address)

@@ -199,6 +199,6 @@ def test_no_block_is_cut_on_a_laptop_and_no_page_wider_than_a_phone(site, window
     assert (cut, wide) == ([], [])
 
 
-@pytest.mark.parametrize("name", ["index", "explain/tour", "reference/api", "studies", "search"])
+@pytest.mark.parametrize("name", ["index", "explain/tour", "reference/case", "studies", "search"])
 def test_it_hinders_nobody(site, browser, name):
     assert axe.found(browser, (site / f"{name}.html").as_uri()) == []

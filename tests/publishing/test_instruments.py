@@ -14,16 +14,14 @@ import pytest
 
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.balance import APPROACHES, TERMS, takes_phase
-from dampbalance.features import Features, of_orbit, stack
+from dampbalance.features import Features
 from dampbalance.project.case import check_case, require_own_case
 from dampbalance.project.documents import read_yaml
 from dampbalance.project.wording import number_text, percent, signed_percent
 from dampbalance.publishing.page.instruments import slider_controls
 from dampbalance.replication.comparison import PHASES, RECIPES, WAYS_TO_COMPARE, approaches_table
-from dampbalance.replication.numbers import by_key, numbers_table, of_routes
 from dampbalance.solver import solve
 from processes import output_of
-from publishing.page_case import page_of
 from replication.routes import CASE, CONFIG, PAPER, exact
 
 STATIC = files("dampbalance.publishing.page") / "static"
@@ -124,11 +122,11 @@ WORDS = "() => document.querySelector('#%s .words').textContent"
 
 @pytest.fixture(scope="module")
 def led(window, report):
-    """Leads to a state of an instrument, which the address states, on the page or another file."""
+    """Leads to a state of an instrument, which the address states."""
 
-    def page(state, file=report / "report.html"):
-        if window.url.partition("#")[0] != file.as_uri():
-            window.goto(file.as_uri())
+    def page(state):
+        if not window.url.startswith("file:"):
+            window.goto((report / "report.html").as_uri())
             for name in ("oscillator", "off_resonance"):
                 window.wait_for_selector(f"#{name}.ready")
                 window.wait_for_function(WORDS % name)
@@ -151,10 +149,6 @@ def readings(page):
     return {name: plain(text) for name, text in page.eval_on_selector_all("#oscillator dd", shown)}
 
 
-def orbit_of(case, Y, f, **changed):
-    return steady_orbit(replace(case.oscillator, **changed), BaseMotion(Y=Y, omega=2 * math.pi * f))
-
-
 STATES = {  # of the address → Y, f and what else is changed
     "": (0.004, 4.92, {}),
     "Y=8&f=11.1": (0.008, 11.1, {}),
@@ -170,7 +164,7 @@ def test_the_oscillator_has_the_readings_that_python_gives_in_every_regime(led):
     regimes = set()
     for state, (Y, f, changed) in STATES.items():
         page = led(f"oscillator?{state}")
-        orbit = orbit_of(CASE, Y, f, **changed)
+        orbit = steady_orbit(replace(PAPER, **changed), BaseMotion(Y=Y, omega=2 * math.pi * f))
         shown = readings(page)
         for name, scale in (("X", 1e3), ("X_s", 1e3), ("V_s", 1e3), ("t_s", 1e3), ("b", 1e6)):
             value = number_text(scale * getattr(orbit, name), 5)
@@ -256,28 +250,3 @@ def test_its_program_and_its_configuration_compute_the_same(led, tmp_path, state
     assert config["excitation"]["levels_m"][0] == first
     assert config["excitation"]["frequencies"][0]["hz"] == hz
     assert config["oscillator"]["K_z_N_per_m"] == (7500 if "K_z" in state else PAPER.K_z)
-
-
-@pytest.mark.slow
-def test_a_case_of_ones_own_has_its_own_values(led, made, tmp_path):
-    file, oscillator = tmp_path / "own.html", OWN.oscillator
-    features = {
-        name: stack([of_orbit(steady_orbit(oscillator, motion)) for motion in OWN.motions(name)])
-        for name in OWN.frequencies_hz
-    }
-    routes = of_routes(OWN, {"exact": {name: of.to_frame() for name, of in features.items()}}, {})
-    numbers = by_key(numbers_table(routes, {}))
-    own = {"case": OWN, "claims": None, "numbers": numbers, "derived": {}, "studies": []}
-    own["figures"] = {name: made.figures[name] for name in ("figure3", "estimation_error")}
-    file.write_text(page_of(replace(made, **own)), encoding="utf-8")
-    page = led("off_resonance?f=40.125", file)
-    orbit = orbit_of(OWN, OWN.levels_m[0], 14.25)
-    assert readings(page)["X"] == f"{number_text(1e3 * orbit.X, 5)} mm"
-    assert "only sticks" in words(page, "oscillator")
-    table = approaches_table(numbers, OWN.frequencies_hz)
-    ways = table.set_index(["frequency", "approach", "phase", "sharing"])["F_k_error_percent"]
-    error = signed_percent(0.01 * ways["high", "X_s", "reversal", "common"])
-    assert f"({error})" in words(page, "off_resonance")
-    assert f"{np.isfinite(features['high'].X_s).sum()} levels" in words(page, "off_resonance")
-    estimation = checked(tmp_path / "shown.yaml", texts(page, "off_resonance")[1])["estimation"]
-    assert estimation["pairs"] == [[i + 1, j + 1] for i, j in OWN.pairs]

@@ -17,7 +17,7 @@ from dampbalance.project.wording import with_error
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared
 from publishing.site_case import built, local, project, read_page
-from schemas import values
+from schemas import schema_of
 
 pytestmark = pytest.mark.slow
 
@@ -59,29 +59,22 @@ def test_functions_of_equations_keys_and_options_are_on_their_pages(site):
 
     linked = {link.partition("#")[2] for link in shown("equations").links}
     assert {"dampbalance.steady_orbit", "dampbalance.Orbit.W", "dampbalance.solver.pair"} <= linked
-    kinds = {"number", "integer", "string", "boolean", "array", "object", "null"}
-    for place, _ in values(kinds):
-        schema, path = place.split(": ")
-        text = shown({"config": "case"}.get(schema, schema)).text
-        for name in re.findall(r"(?:^|\.)(\w+)", path):
-            assert re.search(rf"(?:^|[\s.,]){name}(?=[\s.,\[])", text), place
+
+    def walk(node, text):
+        for name, child in node.get("properties", {}).items():
+            assert re.search(rf"(?:^|[\s.,]){name}(?=[\s.,\[])", text), name
+            walk(child, text)
+        for inner in ("items", "additionalProperties"):
+            if isinstance(node.get(inner), dict):
+                walk(node[inner], text)
+
+    for page, schema in (("case", "config"), ("study", "study"), ("mapping", "mapping")):
+        walk(schema_of(schema), shown(page).text)
     (commands,) = (action for action in parser()._actions if action.choices)
     for name, command in commands.choices.items():
         assert f"usage: dampbalance {name}" in shown("commands").text
         options = {option for one in command._actions for option in one.option_strings}
         assert all(option in shown("commands").text for option in options)
-
-
-@pytest.mark.parametrize(
-    "path", ["README.md", "CONTRIBUTING.md", "config/README.md", "config/records/README.md"]
-)
-def test_every_section_is_shown_somewhere(pages, path):
-    """By a paragraph of it: its heading may have become that of a page."""
-    everything = " ".join(" ".join(read_page(page).text.split()) for page in pages)
-    text = re.sub(r"(?sm)^```.*?^```$", "", (ROOT / path).read_text(encoding="utf-8"))
-    for section in re.split("^#+ .*\n", text, flags=re.MULTILINE):
-        words = re.findall(r"^[A-Z][\w ]{25,}", section, re.MULTILINE)
-        assert not words or " ".join(words[0].split()) in everything, words
 
 
 def test_pages_show_what_was_computed(site):
