@@ -15,7 +15,7 @@ from markdown_it import MarkdownIt
 from matplotlib.figure import Figure
 
 from dampbalance.project import wording as w
-from dampbalance.publishing.typesetting import rich_markup
+from dampbalance.publishing import typesetting as t
 from slips import slips
 
 TEXTS = [
@@ -47,7 +47,7 @@ def test_text_of_a_user_is_shown_as_it_is(text):
     label = Figure().text(0.0, 0.5, w.in_figure(text))
     assert label._preprocess_math(label.get_text()) == (text, False)
     # X_s has its index on the page
-    shown = re.sub(r"</?i>|</sub>", "", str(rich_markup(text)).replace("<sub>", "_"))
+    shown = re.sub(r"</?i>|</sub>", "", str(t.rich_markup(text)).replace("<sub>", "_"))
     assert html.unescape(shown).replace("\xa0", " ") == text
     assert not re.search("</|<!--", str(htmlsafe_json_dumps({"text": text})))
 
@@ -111,6 +111,18 @@ WORDS = [
     (w.frequency_name, ("resonance",), "resonance"),
     (w.visible, ("a\nb\u202e \ud800",), "a\\nb\\u202e \\ud800"),
     (w.markdown_table, (["", "n"], [["a", "1"]], "lr"), "| | n |\n|---|---:|\n| a | 1 |"),
+    (t.rich_markup, ("X_s of 1 < 2",), "<i>X</i><sub>s</sub> of 1 &lt; 2"),
+    (t.rich_markup, ("ω/ω_n of phi",), "ω/<i>ω</i><sub>n</sub> of <i>φ</i>"),
+    (
+        t.rich_markup,
+        ("least_squares is 5 % off at 4 mm",),
+        "least_squares is 5\xa0% off at 4\xa0mm",
+    ),
+    (t.titled, ("*c* at ω₁, 4.92 Hz",), "<i>c</i> at <i>ω</i><sub>1</sub>, 4.92\xa0Hz"),
+    (t.symbol, ("c by X_s",), "<i>c</i> by <i>X</i><sub>s</sub>"),
+    (t.quantity_markup, ("a: norm of w",), "<i>a</i>: norm of <i>w</i>"),
+    (t.quantity_markup, ("share of a bound",), "share of a bound"),
+    (t.reason, ("c is mω²h, N s/m",), "<i>c</i> is <i>m</i>ω²<i>h</i>, N s/m"),
 ]
 
 
@@ -129,16 +141,9 @@ NUMBERS = st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True)
 @example(math.inf, math.nan)
 def test_no_share_or_change_slips_out(one, other):
     """Four significant digits at the most, powers of ten apart, and none of the words that slip out of a program."""
-    shares = [
-        w.percent(one),
-        w.percent(one, 2),
-        w.signed_percent(one),
-        w.part(one),
-        w.larger_by(abs(one)),
-    ]
-    for text in map(
-        "{}".format, [*shares, w.change_text(one, other, "N"), w.change_text(one, other)]
-    ):
+    of_one = (w.percent, w.signed_percent, w.part, lambda share: w.larger_by(abs(share)))
+    of_both = (w.change_text(one, other, "N"), w.change_text(one, other), w.percent(one, 2))
+    for text in (*(f"{function(one)}" for function in of_one), *of_both):
         assert slips(text) == []
         digits = re.sub(r"·?10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+|\D", "", text).lstrip("0")
         assert len(digits) <= 4, text

@@ -15,7 +15,7 @@ import pytest
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.balance import APPROACHES, TERMS, takes_phase
 from dampbalance.features import Features
-from dampbalance.project.case import check_case, require_own_case
+from dampbalance.project.case import Case, check_case, require_own_case
 from dampbalance.project.documents import read_yaml
 from dampbalance.project.wording import number_text, percent, signed_percent
 from dampbalance.publishing.page.instruments import slider_controls
@@ -202,24 +202,6 @@ def test_errors_off_resonance_are_those_of_the_table(led, made):
                 ], (frequency, chosen, step)
 
 
-def texts(page, name):
-    """The program and the configuration that an instrument shows."""
-    page.evaluate(f"document.querySelector('#{name} .code').open = true")
-    page.wait_for_function(f"() => document.querySelector('#{name} pre').textContent")
-    return page.locator(f"#{name} pre").all_text_contents()
-
-
-def checked(file, text):
-    """The configuration, checked as the workflow does, merged from the paper's and this text."""
-    file.write_text(text, encoding="utf-8")
-    require_own_case([file])
-    config = dict(CONFIG)
-    for key, value in read_yaml(file).items():
-        config[key] = {**config[key], **value} if isinstance(value, dict) else value
-    check_case(config, [file])
-    return config
-
-
 @pytest.mark.parametrize(
     ("state", "first", "hz"),
     [
@@ -232,7 +214,9 @@ def checked(file, text):
 @pytest.mark.slow
 def test_its_program_and_its_configuration_compute_the_same(led, tmp_path, state, first, hz):
     page, name = led(state), state.partition("?")[0]
-    program, configuration = texts(page, name)
+    page.evaluate(f"document.querySelector('#{name} .code').open = true")
+    page.wait_for_function(f"() => document.querySelector('#{name} pre').textContent")
+    program, configuration = page.locator(f"#{name} pre").all_text_contents()
     said = words(page, name)
     lines = [line.split(":") for line in output_of(sys.executable, "-c", program).splitlines()]
     numbers = [[*map(float, of[1].split())] for of in lines if of[1:] and "slip" not in of[0]]
@@ -246,7 +230,13 @@ def test_its_program_and_its_configuration_compute_the_same(led, tmp_path, state
         ((F_k, c),) = numbers
         assert f" = {number_text(F_k, 4)} N " in said
         assert f" = {number_text(c, 4)} N s/m " in said
-    config = checked(tmp_path / "shown.yaml", configuration)
-    assert config["excitation"]["levels_m"][0] == first
-    assert config["excitation"]["frequencies"][0]["hz"] == hz
-    assert config["oscillator"]["K_z_N_per_m"] == (7500 if "K_z" in state else PAPER.K_z)
+    file = tmp_path / "shown.yaml"
+    file.write_text(configuration, encoding="utf-8")
+    require_own_case([file])
+    config = dict(CONFIG)
+    for key, value in read_yaml(file).items():
+        config[key] = {**config[key], **value} if isinstance(value, dict) else value
+    check_case(config, [file])
+    case = Case.from_config(config)
+    assert (case.levels_m[0], next(iter(case.frequencies_hz.values()))) == (first, hz)
+    assert case.oscillator.K_z == (7500 if "K_z" in state else PAPER.K_z)

@@ -71,18 +71,6 @@ def test_it_works_at_resonance_and_breaks_away_from_it(names, error):
     assert ((harmonic < -64) & (harmonic > -67)).all(axis=None)
 
 
-def test_the_blame_is_on_the_work_and_its_phase(names):
-    features, k = names["features_above"].with_common("phi", "t_s"), names["oscillator"].k
-    exact, harmonic = (names["APPROACHES"][name](features, k) for name in ("direct", "X_s"))
-    # "right to the last digit"; X and X_s are differences of a few units of rounding
-    np.testing.assert_allclose(harmonic.terms["F_k"], exact.terms["F_k"], rtol=1e-13)
-    of_W = harmonic.W / exact.W - 1
-    assert of_W[0] < -0.03 < 0.03 < of_W[-1]  # "too small at the lowest level, too large at …"
-    assert np.all(np.diff(of_W) > 0)
-    of_b = harmonic.terms["c"] / exact.terms["c"] - 1
-    assert np.abs(of_b).max() < 0.1 * np.abs(of_W).max()
-
-
 def test_the_two_causes_are_of_the_sizes_that_the_text_tells(names):
     (off_below, spread_below), (off_at, spread_at), (off_above, spread_above) = names["found"]
     assert abs(off_at) < 0.001  # "the sine is at its maximum, and forgives both"

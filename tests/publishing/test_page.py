@@ -205,26 +205,6 @@ def test_every_colour_of_the_page_is_one_that_is_checked(html):
     assert used - checked == {"rule"}  # lines of tables and grids, which only decorate
 
 
-@pytest.mark.parametrize(
-    ("function", "text", "shown"),
-    [
-        ("rich_markup", "X_s of 1 < 2", "<i>X</i><sub>s</sub> of 1 &lt; 2"),
-        ("rich_markup", "ω/ω_n of phi", "ω/<i>ω</i><sub>n</sub> of <i>φ</i>"),
-        ("rich_markup", "least_squares", "least_squares"),
-        ("rich_markup", "F_k is 5 % off at 4 mm", "<i>F</i><sub>k</sub> is 5~% off at 4~mm"),
-        ("titled", "*c* by X_s < 1", "<i>c</i> by <i>X</i><sub>s</sub> &lt; 1"),
-        ("titled", "at ω₁, 4.92 Hz", "at <i>ω</i><sub>1</sub>, 4.92~Hz"),
-        ("symbol", "c by X_s", "<i>c</i> by <i>X</i><sub>s</sub>"),
-        ("quantity_markup", "a: norm of w", "<i>a</i>: norm of <i>w</i>"),
-        ("quantity_markup", "share of a bound", "share of a bound"),
-        ("reason", "c is c + mω²h, N s/m", "<i>c</i> is <i>c</i> + <i>m</i>ω²<i>h</i>, N s/m"),
-    ],
-)
-def test_symbols_and_units_are_set(function, text, shown):
-    """A tilde stands for a space at which no line breaks."""
-    assert str(getattr(typesetting, function)(text)) == shown.replace("~", "\N{NO-BREAK SPACE}")
-
-
 # --- the picture in results/README.md -------------------------------------------------------------
 
 

