@@ -17,8 +17,6 @@ from dampbalance.replication.authors_route import cycle_table, features_of, simu
 from folders import PUBLISHED
 from replication.routes import CASE, PAPER, as_published, exact, numbers
 
-STEP_US = 1e6 * CASE.numerics.step_s
-
 
 def values_of(rows) -> dict:
     """The values of derived numbers by their ids."""
@@ -62,28 +60,6 @@ def test_a_period_of_whole_steps_samples_each_cycle_alike(coarse):
 
     assert moved(whole) < 1e-6  # ζ = 0.6: a transient loses a factor of 100 in a cycle
     assert 0.1 < moved(coarse) < 1.5
-
-
-@pytest.mark.parametrize("factor", [0.5, 1.0, 1.002])
-def test_the_step_is_found_from_the_work_that_it_gave(factor):
-    """W is linear in h: W printed for another step is on the line through h = 0 and the simulated one."""
-    limit = np.array([0.08, 0.2])
-    euler = limit * (1.0 - np.array([1.2e-4, 1.3e-4]))
-    table = pd.DataFrame({"scheme": ["rk4", "rk4", "backward-euler", "backward-euler"]})
-    ways = {"rounded": 1.0, "c_over_m": 1.0 + 1e-6, "exact": 1.0 - 1e-6}
-    tables = [
-        table.assign(coefficients=way, W_J=by * np.array([*limit, *euler]))
-        for way, by in ways.items()
-    ]
-    printed = claims_of("W", limit + factor * (euler - limit))
-    steps = values_of(derived.step_from_work(printed, pd.concat(tables), CASE))
-    assert steps["step_from_W.rounded.min"] == pytest.approx(factor * STEP_US, rel=1e-9)
-    assert steps["step_from_W.rounded.max"] == pytest.approx(factor * STEP_US, rel=1e-9)
-    # W larger by 1e-6 of itself needs a longer step to come down to print
-    longer = 1e-6 / np.array([1.2e-4, 1.3e-4]) * STEP_US
-    for way, sign in (("c_over_m", 1.0), ("exact", -1.0)):
-        moved = np.sort([steps[f"step_from_W.{way}.{end}"] for end in ("min", "max")])
-        np.testing.assert_allclose(moved, np.sort(factor * STEP_US + sign * longer), rtol=2e-6)
 
 
 def trial_of(trial: str, a: np.ndarray, V_s: np.ndarray, **columns) -> pd.DataFrame:
