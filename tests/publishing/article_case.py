@@ -28,27 +28,13 @@ from dampbalance.studies.shown.study_figure import alternative_text, study_figur
 from dampbalance.studies.study_file import PAPER_CASE
 from folders import PUBLISHED
 from legible import faults
-from replication.routes import (
-    CASE,
-    CONFIG,
-    PAPER,
-    ROOT,
-    computed,
-    exact,
-    judged,
-    numbers,
-)
+from replication.routes import CASE, CONFIG, PAPER, ROOT, computed, exact, judged, numbers
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 FOLDERS = {"RESULTS": RESULTS, "ARTICLE": f"{RESULTS}/article", "STUDY_RESULTS": STUDIES}
-SOURCES = {
-    f"{FOLDERS[folder]}/{file}": rule
-    for folder, file, rule in re.findall(
-        r'^ +f"\{(\w+)\}/(\S+)": "(\w+)",$',
-        (ROOT / "workflow/rules/article.smk").read_text(encoding="utf-8"),
-        re.MULTILINE,
-    )
-}
+LINES = (ROOT / "workflow/rules/article.smk").read_text(encoding="utf-8").splitlines()
+LISTED = (re.fullmatch(r' +f"\{(\w+)\}/(\S+)": "(\w+)",', line) for line in LINES)
+SOURCES = {f"{FOLDERS[of[1]]}/{of[2]}": of[3] for of in LISTED if of}
 """The files that the article reads, and the rule that makes each, as the workflow has them."""
 FOLDERS = {"results": RESULTS, "studies": STUDIES}  # as the rule names them
 INPUTS = {"results": f"/{RESULTS}", "studies": f"/{STUDIES}", "sources": SOURCES}
@@ -106,10 +92,8 @@ class Project:
     def change(self, name: str, *value: object) -> None:
         """Put another value under the id of a derived number, or none at all."""
         path = self.folder / RESULTS / "derived.csv"
-        rows = {row["id"]: row for row in read_csv(path, dtype=str).to_dict("records")}
-        rows.pop(name, None)
-        others = [{"id": name, "value": of, "unit": ""} for of in value]
-        write_rows(path, [*rows.values(), *others])
+        rows = [row for row in read_csv(path, dtype=str).to_dict("records") if row["id"] != name]
+        write_rows(path, [*rows, *({"id": name, "value": of, "unit": ""} for of in value)])
 
     def run(
         self,
@@ -137,10 +121,10 @@ class Project:
         file.parent.mkdir(parents=True, exist_ok=True)
         style.save_svg(figure, file, alt)
 
-    def typeset(self, output: str = f"{RESULTS}/article.pdf") -> None:
+    def typeset(self) -> None:
         """Typeset the article like the rule `article`."""
         params = {"folder": "paper/article", "results": "results", "inputs": INPUTS | FOLDERS}
-        self.run("article", {"pdf": output}, {}, **params)
+        self.run("article", {"pdf": f"{RESULTS}/article.pdf"}, {}, **params)
 
 
 def build(folder: Path) -> None:
@@ -149,72 +133,50 @@ def build(folder: Path) -> None:
     shutil.copytree(ROOT / "paper/article", folder / "paper/article")
     for name in ("config", "src", "workflow", "CITATION.cff"):
         (folder / name).symlink_to(ROOT / name)
-    _routes(folder)
-    cases, files = _studies(project)
-    _numbers(project, cases, files)
-    _figures(project)
-    project.typeset()
-
-
-def _routes(folder: Path) -> None:
-    """Write the numbers of the routes, and the claims."""
-    frames = {"claims": judged(), "numbers": numbers().drop(columns=["printed", "verdict"])}
-    for name, frame in frames.items():
-        file = folder / f"{RESULTS}/{name}.csv"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        write_csv(file, frame, EVERY_DIGIT)
-
-
-def _studies(project: Project) -> tuple[list[str], list[str]]:
-    """Compute the studies; return the cases of each, and the file that describes it."""
-    cases, files, folder = [], [], project.folder
+    (folder / RESULTS).mkdir(parents=True)
+    write_csv(folder / f"{RESULTS}/claims.csv", judged(), EVERY_DIGIT)
+    routes = numbers().drop(columns=["printed", "verdict"])
+    write_csv(folder / f"{RESULTS}/numbers.csv", routes, EVERY_DIGIT)
     for name in OF_ARTICLE:
         study, table = computed(name, folder / STUDIES, COARSER.get(name, ("", "")))
         figure = study_figure(study, table)
         project.save(figure, table.with_name("figure.svg"), None, alternative_text(study))
-        cases.append(f"{STUDIES}/{name}/cases.parquet")
-        files.append(f"{STUDIES}/{name}.yaml")
-    return cases, files
+    _numbers(project)
+    _figures(project)
+    project.typeset()
 
 
-def _numbers(project: Project, cases: list[str], files: list[str]) -> None:
+def _numbers(project: Project) -> None:
     """Write derived.csv, and the article's own figures."""
-    names = ("numerics", "glance")
     inputs = {
         "claims": f"{RESULTS}/claims.csv",
         "numbers": f"{RESULTS}/numbers.csv",
-        "steps": cases[OF_ARTICLE.index("step_size")],
-        "study_cases": cases,
-        "study_files": files,
+        "steps": f"{STUDIES}/step_size/cases.parquet",
+        "study_cases": [f"{STUDIES}/{name}/cases.parquet" for name in OF_ARTICLE],
+        "study_files": [f"{STUDIES}/{name}.yaml" for name in OF_ARTICLE],
         "rivals": [f"{PUBLISHED}/schemes.csv"],
         "citation": "CITATION.cff",
     }
-    output = {"derived": f"{RESULTS}/derived.csv"}
-    output |= {
-        f"{n}_{kind}": f"{RESULTS}/figures/{n}.{kind}" for n in names for kind in ("svg", "png")
+    output = {
+        f"{name}_{kind}": f"{RESULTS}/figures/{name}.{kind}"
+        for name in ("numerics", "glance")
+        for kind in ("svg", "png")
     }
-    project.run(
-        "article_numbers",
-        output,
-        inputs,
-        case=CONFIG,
-        frequency=FIRST,
-        papers=[PAPER_CASE] * len(OF_ARTICLE),
-        packages=["dampbalance", "numpy", "typst"],
-    )
+    output["derived"] = f"{RESULTS}/derived.csv"
+    params = {"case": CONFIG, "frequency": FIRST, "papers": [PAPER_CASE] * len(OF_ARTICLE)}
+    packages = ["dampbalance", "numpy", "typst"]
+    project.run("article_numbers", output, inputs, packages=packages, **params)
 
 
 def _figures(project: Project) -> None:
     """Draw the paper's figures like their script."""
-    folder = f"{RESULTS}/figures"
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
+    errors = exact(PAPER).estimates, PAPER, CASE.frequencies_hz, CASE.levels_m
     others = {
         "figure1": figures.schematic(),
         "figure2": figures.friction_velocity_loop(orbits[0]),
         "figure3": figures.figure3(orbits),
-        "estimation_error": figures.estimation_error(
-            exact(PAPER).estimates, PAPER, CASE.frequencies_hz, CASE.levels_m
-        ),
+        "estimation_error": figures.estimation_error(*errors),
     }
     for name, figure in others.items():
-        project.save(figure, f"{folder}/{name}.svg", None, figures.ALT[name])
+        project.save(figure, f"{RESULTS}/figures/{name}.svg", None, figures.ALT[name])

@@ -1,13 +1,22 @@
-"""A browser for the tests of page and site."""
+"""The article, the page, and a browser for the tests of page and site."""
 
 from __future__ import annotations
 
+import os
 import pickle
+import shutil
 
 import pytest
 
 from folders import shared
-from publishing.chromium import ARGUMENTS, CHROMIUM, REASON
+
+# First the one without a window, which spares a tenth of the work.
+BROWSERS = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
+# Each window would load two pages with suggestions for its address bar: as much work as the page that a test opens.
+SUGGESTIONS = "--disable-features=WebUIOmniboxPopup,WebUIOmniboxAimPopup"
+MISSING = (
+    "no Chromium: apt-get install chromium-headless-shell, or name one in the variable CHROMIUM"
+)
 
 
 @pytest.fixture(scope="session")
@@ -42,62 +51,49 @@ def made(report):
 @pytest.fixture(scope="session")
 def browser():
     """A Chromium; the test is skipped where there is none."""
-    if CHROMIUM is None:
-        pytest.skip(REASON)
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as player:
-        started = player.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+    sync_api = pytest.importorskip("playwright.sync_api", reason=MISSING)
+    with sync_api.sync_playwright() as player:
+        found = (os.environ.get("CHROMIUM"), *map(shutil.which, BROWSERS))
+        path = next(filter(None, found), player.chromium.executable_path)
+        if not os.path.exists(path):
+            pytest.skip(MISSING)
+        arguments = ["--no-sandbox", "--disable-gpu", SUGGESTIONS]
+        started = player.chromium.launch(executable_path=path, args=arguments)
         yield started
         started.close()
 
 
-class Visits:
-    """Opens pages without network: visit(address, …) -> page, until the test ends; visit.again(address, …), until the
-    module ends, for tests that leave a page as they found it.
+@pytest.fixture(scope="module")
+def visit(browser):
+    """Opens windows without network: visit(address, …). No script may fail or complain, no other machine be asked."""
+    opened, wrong = [], []
 
-    visit.asked, visit.said, visit.failed : the addresses that the pages asked for, what they wrote to the console, and
-    the errors of their scripts, during a test.
-    """
+    def asked(request):
+        if not request.url.startswith(("file:", "data:", "blob:", "about:")):
+            wrong.append(request.url)
 
-    def __init__(self, browser):
-        self.browser, self.opened, self.kept = browser, [], {}
-        self.asked, self.said, self.failed = [], [], []
+    def said(message):
+        if message.type in ("error", "warning"):
+            wrong.append(message.text)
 
-    def __call__(self, address, dark=False, **options):
-        scheme = "dark" if dark else "light"
-        context = self.browser.new_context(offline=True, color_scheme=scheme, **options)
-        self.opened.append(context)
+    def window(address, **options):
+        context = browser.new_context(offline=True, reduced_motion="reduce", **options)
+        opened.append(context)
         page = context.new_page()
         page.set_default_timeout(120_000)  # a busy machine
-        page.on("console", lambda message: self.said.append(message.text))
-        page.on("pageerror", lambda error: self.failed.append(str(error)))
-        page.on("request", lambda request: self.asked.append(request.url))
+        page.on("console", said)
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.on("request", asked)
         page.goto(address)
         return page
 
-    def again(self, address, **options):
-        name = (address, repr(sorted(options.items())))
-        if name not in self.kept:
-            self.kept[name] = self(address, **options)
-            self.opened.pop()
-        return self.kept[name]
+    yield window
+    for context in opened:
+        context.close()
+    assert wrong == []
 
 
 @pytest.fixture(scope="module")
-def visits(browser):
-    made = Visits(browser)
-    yield made
-    for page in made.kept.values():
-        page.context.close()
-
-
-@pytest.fixture
-def visit(visits):
-    """Opens pages. No script may fail, and no other machine be asked."""
-    visits.asked, visits.said, visits.failed = [], [], []
-    yield visits
-    while visits.opened:
-        visits.opened.pop().close()
-    assert visits.failed == []
-    assert [url for url in visits.asked if not url.startswith(("file:", "data:", "blob:"))] == []
+def window(visit):
+    """A window that the tests of a module share."""
+    return visit("about:blank")

@@ -55,7 +55,7 @@ def built(folder: Path) -> Path:
 
 
 class Page(NamedTuple):
-    """Return what a page holds: names of its places, links of its text, what it loads, and its text."""
+    """What a page holds: names of its places, links of its text, what it loads, and its text."""
 
     ids: set[str]
     links: list[str]
@@ -67,16 +67,13 @@ class Page(NamedTuple):
 def read_page(path: Path) -> Page:
     """A page of a site as it lies there."""
     tree = Tree(path.read_text(encoding="utf-8"))
-    ids = {element[name] for element in tree.all for name in ("id", "name") if name in element}
-    links, linked = (
-        [element["href"] for element in tree.named(tag) if element.get("href")]
-        for tag in ("a", "link")
-    )
-    loaded = [
-        element[name] for element in tree.all for name in ("src", "srcset") if name in element
-    ]
+
+    def all_of(elements, *names):
+        return [element[name] for element in elements for name in names if element.get(name)]
+
+    loaded = all_of(tree.named("link"), "href") + all_of(tree.all, "src", "srcset")
     text = "".join(element["text"] for element in tree.all if not element["within"])
-    return Page(ids, links, linked + loaded, text)
+    return Page({*all_of(tree.all, "id", "name")}, all_of(tree.named("a"), "href"), loaded, text)
 
 
 def local(page: Path, target: str) -> tuple[Path, str] | None:

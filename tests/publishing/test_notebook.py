@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import importlib
 import os
 import re
 from dataclasses import replace
@@ -57,7 +55,6 @@ def test_numbers_of_the_first_sections(names):
     rows = names["APPROACHES"]["direct"](names["features"], oscillator.k)
     share = (rows.terms["F_k"] * oscillator.F_k / rows.W)[-1]
     assert share == pytest.approx(0.06, abs=0.005)  # "six per cent of the energy"
-    assert 0.01 / share == pytest.approx(1 / 6, abs=0.01)  # "by a sixth"
 
 
 def test_it_works_at_resonance_and_breaks_away_from_it(names, error):
@@ -72,18 +69,6 @@ def test_it_works_at_resonance_and_breaks_away_from_it(names, error):
     # findings: 66.5 % for the pair furthest off; "two thirds", and "the same wrong story"
     assert float(harmonic.loc["X_s"].min()) == pytest.approx(-66.5, abs=0.1)
     assert ((harmonic < -64) & (harmonic > -67)).all(axis=None)
-
-
-def test_the_blame_is_on_the_work_and_its_phase(names):
-    features, k = names["features_above"].with_common("phi", "t_s"), names["oscillator"].k
-    exact, harmonic = (names["APPROACHES"][name](features, k) for name in ("direct", "X_s"))
-    # "right to the last digit"; X and X_s are differences of a few units of rounding
-    np.testing.assert_allclose(harmonic.terms["F_k"], exact.terms["F_k"], rtol=1e-13)
-    of_W = harmonic.W / exact.W - 1
-    assert of_W[0] < -0.03 < 0.03 < of_W[-1]  # "too small at the lowest level, too large at …"
-    assert np.all(np.diff(of_W) > 0)
-    of_b = harmonic.terms["c"] / exact.terms["c"] - 1
-    assert np.abs(of_b).max() < 0.1 * np.abs(of_W).max()
 
 
 def test_the_two_causes_are_of_the_sizes_that_the_text_tells(names):
@@ -113,37 +98,22 @@ def test_each_mend_does_what_the_text_tells(names):
     assert max(d) < 0.04  # "within a few per cent"
     assert max(e) < 0.0005
     assert all(e < d)
-    assert len(paper) == len(e) == 3
     assert paper[at] < 0.015
 
 
-def test_the_errors_over_frequency_are_as_described(names):
-    recipes = list(names["MENDS"].values())
-    errors = [
-        [abs(names["error_of_F_k"](*mend(each))) for each in names["by_frequency"]]
-        for mend in recipes
-    ]
-    paper, fourier = errors[0], errors[-1]
-    assert max(fourier) == fourier[0] < 1 / 300  # holds "throughout"
-    assert paper[0] > 0.3  # "only near resonance"
-    assert min(paper[40:]) > 0.05  # beyond 6 Hz
-
-
 def test_outcomes_of_the_exercises(names, error):
-    features = names["features"]
+    features, approaches, k = names["features"], names["APPROACHES"], names["oscillator"].k
     assert abs(error(names["rigid"], "X_s")) < abs(error(features, "X_s"))  # 1: "better"
     below = names["features_at"](3.5)
     worse = error(below.replaced(X_s=-below.X), "X_s")
     assert worse < error(below, "X_s") < 0  # "where they add up"
 
-    soft, oscillator = names["soft_features"], names["soft"]  # 2: "suffer a little more"
-    by_place = abs(error(soft, "X_s", oscillator=oscillator))
-    for approach in ("t_s", "V_s"):
-        assert by_place < abs(error(soft, approach, oscillator=oscillator)) < 1.1 * by_place
+    soft = [error(names["soft_features"], of, "F_k", names["soft"]) for of in ("X_s", "t_s", "V_s")]
+    by_place, *others = np.abs(soft)  # 2: "suffer a little more"
+    assert all(by_place < of < 1.1 * by_place for of in others)
 
     assert names["with_gentle"].regime[0].startswith("no slip")  # 3
-    assert round(names["oscillator"].k * 0.0005, 2) == 1.16  # "1.16 N"
-    direct = names["APPROACHES"]["direct"](names["with_gentle"], names["oscillator"].k)
+    direct = approaches["direct"](names["with_gentle"], k)
     assert direct.usable.all()
     assert direct.terms["F_k"][0] == 0.0
 
@@ -161,28 +131,10 @@ def test_outcomes_of_the_exercises(names, error):
     assert all(in_both < phase)
 
 
-# --- how it is written ---------------------------------------------------------------------------
-
-
 def test_only_the_public_interface_is_used():
-    tree = ast.parse(SOURCE.read_text(encoding="utf-8"))
-    taken = [
-        (node.module, alias.name)
-        for node in ast.walk(tree)
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("dampbalance")
-        for alias in node.names
-    ]
-    assert ("dampbalance", "steady_orbit") in taken
-    for module, name in taken:
-        assert not any(part.startswith("_") for part in [*module.split("."), name])
-        assert hasattr(importlib.import_module(module), name)
-    public_of_tuples = {"_fields", "_replace"}  # documented parts of a NamedTuple
-    hidden = {
-        node.attr
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Attribute) and re.match(r"_(?!_)", node.attr)
-    }
-    assert hidden <= public_of_tuples
+    taken = re.findall(r"^from (dampbalance\S*) import ", SOURCE.read_text("utf-8"), re.MULTILINE)
+    assert "dampbalance" in taken
+    assert not [module for module in taken if "._" in module]
 
 
 # --- what it becomes -----------------------------------------------------------------------------
@@ -190,40 +142,33 @@ def test_only_the_public_interface_is_used():
 
 @pytest.mark.slow
 def test_the_notebook_is_complete_described_and_the_same_on_one_core():
-    executed = notebook.run_notebook(SOURCE)
-    read = nbformat.reads(notebook.write_notebook(executed), as_version=4)
-    code = [cell for cell in read.cells if cell.cell_type == "code"]
+    written = notebook.write_notebook(notebook.run_notebook(SOURCE))
+    cells = nbformat.reads(written, as_version=4).cells
+    code = [cell for cell in cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
-    assert not any("execution" in cell.metadata for cell in read.cells)  # no times
+    assert not any("execution" in cell.metadata for cell in cells)  # no times
     outputs = [(cell, output) for cell in code for output in cell.outputs]
-    assert {output.name for _, output in outputs if "name" in output} == {"stdout"}
     pictures = [cell for cell, output in outputs if "image/svg+xml" in output.get("data", {})]
     assert len(pictures) == 6
     assert all(cell.metadata.get("alt") for cell in pictures)
-    questions = [
-        i for i, cell in enumerate(read.cells) if re.search(r"^\*\*\d\. ", cell.source, re.M)
-    ]
-    assert len(questions) == 5
-    for answer in (read.cells[i + 1] for i in questions):
-        assert answer.metadata.tags == ["outcome"]
-        assert answer.outputs
+    answers = [cell for cell in code if cell.metadata.get("tags") == ["outcome"]]
+    assert len(answers) == 5
+    assert all(cell.outputs for cell in answers)
     allowed = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(allowed)})  # inherited by the kernel
     try:
-        assert notebook.write_notebook(notebook.run_notebook(SOURCE)) == notebook.write_notebook(
-            executed
-        )
+        assert notebook.write_notebook(notebook.run_notebook(SOURCE)) == written
     finally:
         os.sched_setaffinity(0, allowed)
 
 
 def test_errors_are_named_and_what_goes_to_stderr_stays_out(tmp_path, capsys):
     source = tmp_path / "script.py"
-    cells = ["import sys\nprint('a warning', file=sys.stderr)\nprint('a result')", "x = 1"]
-    source.write_text("".join(f"# %%\n{cell}\n" for cell in cells), encoding="utf-8")
+    cells = ["import sys\nprint('a warning', file=sys.stderr)\nprint('a result')", "x = 1", "x / 0"]
+    source.write_text("".join(f"# %%\n{cell}\n" for cell in cells[:2]), encoding="utf-8")
     executed = notebook.run_notebook(source)
     assert [output.text for output in executed.cells[0].outputs] == ["a result\n"]
     assert "a warning" in capsys.readouterr().err
-    source.write_text(source.read_text(encoding="utf-8") + "# %%\nx / 0\n", encoding="utf-8")
+    source.write_text("".join(f"# %%\n{cell}\n" for cell in cells), encoding="utf-8")
     with pytest.raises(notebook.NotebookError, match=r"cell 3 fails with ZeroDivisionError.*\n\nx"):
         notebook.run_notebook(source)

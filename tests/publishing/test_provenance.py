@@ -1,4 +1,4 @@
-"""What a manifest is made of, without a run of the workflow."""
+"""What a manifest is made of, without a run of the workflow; and what CITATION.cff states."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from dampbalance.publishing.provenance.manifest import (
     digest_of,
     files_of,
     manifest,
+    software,
 )
 from folders import PROJECT, ROOT
 from processes import git
@@ -31,17 +32,8 @@ def test_the_version_is_the_commit_and_whether_files_differ_from_it(tmp_path):
     assert (found["version"], found["known_from"], found["modified"]) == ("9.9", "git", False)
     (tmp_path / "file").write_text("two", encoding="utf-8")
     assert code_version(tmp_path, "9.9")["modified"] is True
-
-
-@needs_git
-def test_a_repository_around_an_unpacked_archive_says_nothing_of_it(tmp_path):
-    git(tmp_path, "init", "--quiet")
-    (tmp_path / "other").write_text("", encoding="utf-8")
-    git(tmp_path, "add", "other")
-    git(tmp_path, "commit", "--quiet", "--message=theirs")
-    inner = tmp_path / "unpacked"
-    inner.mkdir()
-    assert code_version(inner, "1.0")["known_from"] == "nothing"
+    (tmp_path / "unpacked").mkdir()  # an archive: the repository around it says nothing of it
+    assert code_version(tmp_path / "unpacked", "1.0")["known_from"] == "nothing"
 
 
 @needs_git
@@ -56,32 +48,44 @@ def test_the_files_of_the_project_are_those_under_version_control():
     assert found - tracked - listed("--others", "--exclude-standard") == set()
 
 
-def test_caches_are_no_sources(tmp_path):
-    for file in ("src/a.py", "src/__pycache__/a.pyc", "src/a.py~", "paper/.ipynb_checkpoints/b"):
-        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / file).write_text("", encoding="utf-8")
-    assert files_of(tmp_path, ["src", "paper"]) == ["src/a.py"]
+def test_a_manifest_names_what_made_each_file_and_packages_that_are_not_as_locked(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    for file in ("src/a.py", "src/__pycache__/a.pyc", "src/a.py~", "out"):
+        Path(file).parent.mkdir(parents=True, exist_ok=True)
+        Path(file).write_text("1", encoding="utf-8")
+    sources = {name: name for name in files_of(".", ["src"])}  # caches are none
+    job = {"rule": "of_out", "script": "s.py", "inputs": ["src/a.py"], "outputs": ["out"]}
+    code = {"version": "1", "commit": "c0ffee", "committed": "2026-01-02", "modified": False}
+    made = []
+    for version in (metadata.version("numpy"), "0.1"):
+        Path("lock").write_text(f"numpy=={version} \\\n    --hash=sha256:00\n", encoding="utf-8")
+        made.append(manifest("one", {"a": 1.0}, [], sources, [job], code, "lock"))
+    right, other = made
+    assert right["run"]["packages_not_as_locked"] == []
+    assert other["run"]["packages_not_as_locked"] == ["numpy"]
+    assert "BSD" in right["run"]["licences"]["numpy"]
+    assert right["reproducible"] == other["reproducible"]  # what differs is in its own part
+    assert [*right["reproducible"]["sources"]] == ["src/a.py"]
+    (result,) = right["reproducible"]["results"]
+    assert (result["path"], result["bytes"], result["rule"]) == ("out", 1, "of_out")
+    assert result["sha256"] == right["reproducible"]["sources"]["src/a.py"]  # of the same content
 
 
-def test_a_digest_does_not_depend_on_the_order_of_keys_and_does_on_every_value():
+def test_a_digest_depends_on_every_value_and_not_on_the_order_of_keys():
     assert digest_of({"a": 1.0, "b": [2]}) == digest_of({"b": [2], "a": 1.0})
     assert digest_of({"a": 1.0}) != digest_of({"a": 1.0000000000000002})
 
 
-def manifest_of(folder, monkeypatch, locked="numpy==0.1", **outputs):
-    """The manifest of a run that made these files in a folder, from then on the current one."""
-    monkeypatch.chdir(folder)
-    lock = f"{locked} \\\n    --hash=sha256:00\n"
-    for name, text in {"in": "1", "lock": lock, **outputs}.items():
-        Path(name).write_text(text, encoding="utf-8")
-    jobs = [{"rule": o, "script": "s.py", "inputs": ["in"], "outputs": [o]} for o in outputs]
-    code = {"version": "1", "commit": "c0ffee", "committed": "2026-01-02", "modified": False}
-    return manifest("case", {"case": "case"}, [], {"in": "in"}, jobs, code, "lock")
-
-
-def test_a_package_that_is_not_as_locked_is_named(tmp_path, monkeypatch):
-    right = manifest_of(tmp_path, monkeypatch, f"numpy=={metadata.version('numpy')}", out="2")
-    assert right["run"]["packages_not_as_locked"] == []
-    other = manifest_of(tmp_path, monkeypatch, out="2")
-    assert other["run"]["packages_not_as_locked"] == ["numpy"]
-    assert right["reproducible"] == other["reproducible"]  # what differs is in its own part
+def test_authors_and_addresses_are_those_of_the_citation():
+    person = {"given-names": "Ada", "name-particle": "de", "family-names": "Vries"}
+    stated = {"version": "1.2.0", "license": "BSD-3-Clause", "authors": [person, {"name": "some"}]}
+    found = {"version": "1.2.0", "licence": "BSD-3-Clause", "authors": ["Ada de Vries", "some"]}
+    assert software(stated) == found | {"addresses": {}}
+    stated |= {
+        "repository-code": "a place",
+        "doi": "",
+        "contact": [{"name": "some", "email": "a@b"}],
+    }
+    assert software(stated)["addresses"] == {"repository": "a place", "contact": "some a@b"}
