@@ -34,33 +34,24 @@ def named_functions(text):
     return sorted({name for name in FUNCTION.findall(text) if not name.startswith("tests")})
 
 
-def named_tests(text):
-    return sorted(set(TEST.findall(text)))
+def test_every_equation_has_its_line_in_order_with_a_function_and_a_test():
+    numbers = [number(line) for line in LINES]
+    assert sorted({*numbers}) == list(NUMBERED)
+    assert numbers == sorted(numbers)
+    for line in LINES:
+        _, _, _, functions, tests, _ = re.split(r"(?<!\\)\|", line)
+        assert named_functions(functions), line
+        assert TEST.findall(tests), line
 
 
-def test_every_numbered_equation_has_its_line_in_order():
-    assert sorted({number(line) for line in LINES}) == list(NUMBERED)
-    assert [number(line) for line in LINES] == sorted(number(line) for line in LINES)
-
-
-@pytest.mark.parametrize("line", LINES, ids=lambda line: line.split("|")[1].strip())
-def test_every_equation_names_a_function_and_a_test(line):
-    _, _, _, functions, tests, _ = re.split(r"(?<!\\)\|", line)
-    assert named_functions(functions)
-    assert named_tests(tests)
-
-
-def test_every_function_exists():
+def test_every_function_and_test_exists():
     for name in named_functions(TEXT):
         module = module_of(name)
         found = importlib.import_module(f"dampbalance.{module}")
         for part in name.removeprefix(f"{module}.").split("."):
             assert hasattr(found, part), f"dampbalance.{name} does not exist"
             found = getattr(found, part)
-
-
-def test_every_test_exists():
-    for file, test in named_tests(TEXT):
+    for file, test in TEST.findall(TEXT):
         text = (ROOT / file).read_text(encoding="utf-8")
         assert re.search(rf"^def {test}\(", text, re.MULTILINE), f"{file}::{test}"
 

@@ -62,15 +62,6 @@ def test_the_method_is_a_handful_of_files():
     assert len(list(PACKAGE.glob("*.py"))) <= MOST_ROOT_MODULES
 
 
-@pytest.mark.parametrize(
-    "face", sorted(PACKAGE.rglob("*/__init__.py")), ids=lambda path: path.parent.name
-)
-def test_a_room_says_what_it_is_for(face):
-    words = ast.get_docstring(ast.parse(face.read_text(encoding="utf-8")))
-    assert words
-    assert words.split("\n")[0].endswith(".")
-
-
 def scripts_of_rules() -> list[tuple[str, str, str, str]]:
     """(rule file, rule, the code that it names, its script) for every rule that has a script."""
     found, named_rule = [], r'\s*(?:rule (\w+):|f"([a-z]+)_\{kind)'  # the latter for each kind

@@ -44,15 +44,9 @@ def named(path):
     return path.relative_to(ROOT).as_posix()
 
 
-def test_there_is_something_to_scan():
-    names = {named(path) for path in sources()}
-    package = "src/dampbalance"
-    assert {f"{package}/balance.py", f"{package}/replication/claims/printed.py"} <= names
-    assert any(name.startswith("workflow/scripts/") for name in names)
-
-
 def test_only_claims_refer_to_the_printed_numbers():
     others = [path for path in sources() if not named(path).startswith(ALLOWED)]
+    assert "src/dampbalance/balance.py" in map(named, others)
     found = {named(path): REFERENCE.findall(path.read_text(encoding="utf-8")) for path in others}
     assert {name: leaks for name, leaks in found.items() if leaks} == {}
 
@@ -74,14 +68,8 @@ def test_no_printed_estimate_is_typed_into_the_sources():
         'read_csv("paper/published/printed.csv")',
         'folder = config["published"]',
         "from dampbalance.replication.claims.printed import read_published",
-        "from .claims.printed import numbers",
-        "from ...replication.claims.printed import numbers",
         "from . import claims",
     ],
 )
 def test_a_leak_would_be_seen(text):
     assert REFERENCE.search(text)
-
-
-def test_asking_whether_there_is_a_paper_is_no_leak():
-    assert not REFERENCE.search('claims=f"{RESULTS}/claims.csv" if config["published"] else []')

@@ -32,25 +32,8 @@ PAPER = yaml.safe_load(FILE.read_text(encoding="utf-8"))
 LONGEST = 300  # characters of a line
 DECIMALS = ["X_decimals", "X_s_decimals", "V_s_decimals", "phi_decimals", "common_phi_decimals"]
 NAMES = [
-    "../x",
-    "a/b",
-    "/tmp/x",
-    ".hidden",
-    "-x",
-    "x\n",
-    "",
-    "studies",
-    "archive",
-    "a" * 5000,
-    "a.b",
-    "con:",
-    "a b",
-    "ω",
-    "<script>alert(1)</script>",
-    "a|b",
-    "$x$",
-    "a\\b",
-    "`ls`",
+    *("../x", "a/b", "/tmp/x", ".hidden", "-x", "x\n", "", "studies", "archive", "a" * 5000, "a.b"),
+    *("con:", "a b", "ω", "<script>alert(1)</script>", "a|b", "$x$", "a\\b", "`ls`"),
 ]
 ODD = {
     ("oscillator", ("m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N")): [1e-300, 0, True, "5", 1e300],
@@ -107,12 +90,9 @@ def at_the_border(draw: random.Random) -> dict:
         "F_k_N": F * k * Y,
     }
     hz = r * math.sqrt(k / m) / (2.0 * math.pi)
-    config["excitation"] = {
-        "frequencies": [{"name": "f", "hz": hz}],
-        "levels_m": [
-            Y * q for q in draw.choice([[1, 1.5, 2, 3], [1, 1 + 1e-5], [3, 1], [1e-3, 1, 10]])
-        ],
-    }
+    levels = draw.choice([[1, 1.5, 2, 3], [1, 1 + 1e-5], [3, 1], [1e-3, 1, 10]])
+    frequencies = [{"name": "f", "hz": hz}]
+    config["excitation"] = {"frequencies": frequencies, "levels_m": [Y * q for q in levels]}
     config["estimation"] = {
         "pairs": draw.choice([[[1, 2]], [[2, 1], [1, 2]]]),
         "phase": draw.choice(["reversal", "zero_crossing", "fundamental"]),
@@ -177,13 +157,15 @@ def outcome(config: dict, folder) -> str:
     return "sound"
 
 
-@settings(max_examples=25)
-@given(draw=st.randoms(), make=st.sampled_from([far_out, at_the_border]))
-def test_a_configuration_is_refused_or_gives_sound_results(tmp_path_factory, draw, make):
-    outcome(make(draw), tmp_path_factory.mktemp("case"))
+@pytest.mark.parametrize("make", [far_out, at_the_border])
+def test_a_configuration_is_refused_or_gives_sound_results(tmp_path, make):
+    folders = [tmp_path / f"{seed}" for seed in range(4)]
+    for seed, folder in enumerate(folders):
+        folder.mkdir()
+        outcome(make(random.Random(seed)), folder)
 
 
-@settings(max_examples=60)
+@settings(max_examples=80)
 @given(draw=st.randoms(), make=st.sampled_from([far_out, at_the_border]))
 def test_many_configurations_are_refused_or_give_sound_results(tmp_path_factory, draw, make):
     outcome(make(draw), tmp_path_factory.mktemp("case"))
@@ -198,18 +180,15 @@ def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
     case_jobs(config, tmp_path)
     table = read_csv(tmp_path / "tables/approaches.csv")
     assert list(dict.fromkeys(table["frequency"])) == names
-    for name in names[1:]:
-        assert (tmp_path / f"tables/table1_{name}.csv").is_file()
+    assert [
+        name for name in names[1:] if not (tmp_path / f"tables/table1_{name}.csv").is_file()
+    ] == []
 
 
-def test_the_draws_are_of_both_kinds(tmp_path):
+def test_the_draws_are_of_both_kinds_and_no_name_leaves_the_results(tmp_path):
     """Else nothing above were tried: of systems drawn anywhere some are accepted, and some are not."""
     file = tmp_path / "case.yaml"
     file.write_text(yaml.safe_dump(base()), encoding="utf-8")
     answers = [refused(at_the_border(random.Random(seed)), file) for seed in range(24)]
     assert 6 <= sum(answer == "" for answer in answers) <= 20
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_name_that_could_leave_the_results_is_refused(tmp_path, name):
-    assert outcome(base() | {"case": name}, tmp_path) == "refused"
+    assert [name for name in NAMES if not refused(base() | {"case": name}, file)] == []
