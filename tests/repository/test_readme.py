@@ -109,19 +109,13 @@ def test_the_table_of_studies_counts_their_cases():
     assert shown == sorted(path.stem for path in folder.glob("*.yaml"))
 
 
-def examples() -> dict[str, str]:
-    """Each piece of Python in it, by the name that its import of the package begins with."""
-    pieces = re.findall(r"```python\n(.*?)```", README + LIBRARY, re.DOTALL)
-    return {re.search(r"from dampbalance import (\w+)", code)[1]: code for code in pieces}
-
-
 def test_the_examples_run(tmp_path, monkeypatch):
     for file in (ROOT / "config/records/example").glob("level*.csv"):
         (tmp_path / file.name).write_bytes(file.read_bytes())
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    for job in ("study", "BaseMotion", "identify"):
-        exec(examples()[job], names)
+    for code in re.findall(r"```python\n(.*?)```", README + LIBRARY, re.DOTALL):
+        exec(code, names)
     low, high = names["found"].intervals["F_k"]
     assert low < PAPER.F_k < high
     assert (tmp_path / "found/summary.txt").exists()
