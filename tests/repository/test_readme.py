@@ -17,10 +17,11 @@ from dampbalance.project.wording import with_error
 from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
+from dampbalance.replication.comparison import off_resonance
 from dampbalance.studies.reading_study import read_study
 from folders import ROOT
 from paper_case import FREQUENCIES_HZ, PAIRS, PAPER, features_at, orbits_at
-from replication.routes import CASE, PRINT, nothing
+from replication.routes import CASE, PRINT, approaches, nothing
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULTS = (ROOT / "results/README.md").read_text(encoding="utf-8")
@@ -97,6 +98,19 @@ def test_the_errors_quoted_are_those_found(hertz, worst):
     direct = table[(table["approach"] == "direct") & table["kind"].isin(["pair", "least_squares"])]
     assert (direct["F_k_N"] / PAPER.F_k - 1.0).abs().max() < 1e-10
     assert (direct["c_N_s_per_m"] / PAPER.c - 1.0).abs().max() < 1e-10
+
+
+def test_the_causes_of_failure_have_the_sizes_quoted():
+    at, below, above = off_resonance(approaches(), FREQUENCIES_HZ)
+    text = " ".join(RESULTS.split())
+    for words in (
+        f"F_k off by {at['peak']} at 4.92 Hz, {below['peak']} at 3.5 Hz and {above['peak']} at",
+        f"F_k by {below['which']} percentage points at 3.5 Hz and by {above['which']} at 11.1 Hz",
+        f"the second by {below['shared']} and {above['shared']},",
+        f"and both together by {below['both']} and {above['both']}:",
+        f"errs by {at['paper']}, {below['paper']} and {above['paper']}.",
+    ):
+        assert words in text
 
 
 def test_the_table_of_studies_counts_their_cases():

@@ -18,10 +18,10 @@ def checkout(tmp_path) -> Checkout:
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory) -> Path:
-    """The small case with two studies, built on two cores."""
+    """The tables of the small case, and two studies of its oscillator."""
 
     def make(folder: Path) -> None:
-        small_case(folder, DAILY).made(*SMALL, "--", "all", *summaries(DAILY))
+        small_case(folder, DAILY).made(*SMALL, "--", "tables", *summaries(DAILY))
 
     return shared(tmp_path_factory, "small", make)
 
@@ -41,6 +41,13 @@ def example(tmp_path_factory) -> Path:
 def built(small, tmp_path_factory) -> Checkout:
     """The small case with its results, a copy for the tests of a module."""
     return copied(small, tmp_path_factory.mktemp("built"), "small.yaml", "results", ".snakemake")
+
+
+@pytest.fixture(scope="module")
+def whole(built) -> Checkout:
+    """The same with figures, page and manifest."""
+    built.made(*SMALL)
+    return built
 
 
 @pytest.fixture(scope="session")

@@ -36,21 +36,21 @@ TARGETS = ("mine", "tables", "manifest")
 
 
 @pytest.fixture(scope="module")
-def foreign(built, tmp_path_factory):
+def foreign(whole, tmp_path_factory):
     """A folder with a workflow and a configuration of its own, and part of what could be made there, on one core."""
     folder = tmp_path_factory.mktemp("foreign")
-    dump(folder / "config.yaml", {"small": read(built.folder / SMALL[1])})
-    text = FOREIGN.format(project=os.path.relpath(built.folder, folder))
+    dump(folder / "config.yaml", {"small": read(whole.folder / SMALL[1])})
+    text = FOREIGN.format(project=os.path.relpath(whole.folder, folder))
     (folder / "Snakefile").write_text(text, encoding="utf-8")
-    before = {path for path in built.folder.rglob("*") if path.is_file()}
+    before = {path for path in whole.folder.rglob("*") if path.is_file()}
     foreign = Checkout(folder)
     foreign.made(*TARGETS, cores=1)
-    assert {path for path in built.folder.rglob("*") if path.is_file()} == before
+    assert {path for path in whole.folder.rglob("*") if path.is_file()} == before
     return foreign
 
 
-def test_the_results_are_those_of_the_project_itself(foreign, built):
-    files, there = foreign.files("small"), built.files("small")
+def test_the_results_are_those_of_the_project_itself(foreign, whole):
+    files, there = foreign.files("small"), whole.files("small")
     assert {"tables/table3_above.csv", "report.html", "estimates/exact/above.csv"} <= set(files)
     assert [name for name in files if files[name] != there[name]] == ["manifest.json"]
     mine, theirs = (json.loads(of["manifest.json"])["reproducible"] for of in (files, there))

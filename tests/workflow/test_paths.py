@@ -106,32 +106,22 @@ def test_an_archive_holds_sources_and_results_with_digests_in_the_same_bytes(com
     assert "error: results belong to committed sources" in done.stderr
 
 
-@pytest.mark.parametrize("name", ["a:b", "a$b", "a\\b", 'a"b', "a`b"])
-def test_a_folder_in_which_no_environment_works_is_refused_before_anything(odd, name):
-    folder = odd.rename(odd.with_name(name))
-    done, calls = make(folder, "check")
-    assert done.returncode != 0
-    assert f"{folder}: in a folder with one of" in done.stderr
-    assert calls == []
+def test_a_folder_in_which_no_environment_works_is_refused_before_anything(odd):
+    done, calls = make(odd.rename(odd.with_name("a:b")), "check")
+    assert (done.returncode != 0, calls) == (True, [])
+    assert "a:b: in a folder with one of" in done.stderr
 
 
 @pytest.mark.parametrize(
-    ("environment", "own"),
-    [
-        ({"HOME": "/dev/null/x"}, True),
-        ({"HOME": ""}, True),
-        ({"HOME": "there", "XDG_CACHE_HOME": "/dev/null/y"}, True),
-        ({"HOME": "there", "XDG_CACHE_HOME": ""}, False),
-    ],
+    "environment", [{"HOME": "/dev/null/x"}, {"HOME": ""}, {"XDG_CACHE_HOME": "/dev/null/y"}]
 )
-def test_where_home_cannot_be_written_a_folder_of_the_project_serves(odd, environment, own):
-    there = odd / "there"
-    there.mkdir()
-    given = {name: str(there) if value == "there" else value for name, value in environment.items()}
-    done, calls = make(odd, "check", **given)
-    assert done.returncode == 0, done.stderr
-    assert calls[0][0] == f"HOME={odd / '.snakemake/home' if own else there}"
-    assert (odd / ".snakemake/home").is_dir() == own
+def test_where_home_cannot_be_written_a_folder_of_the_project_serves(odd, environment):
+    there = {"HOME": str(odd), "XDG_CACHE_HOME": ""}
+    for given, home in ((there, odd), (there | environment, odd / ".snakemake/home")):
+        assert home.is_dir() == (home == odd)
+        done, calls = make(odd, "check", **given)
+        assert done.returncode == 0, done.stderr
+        assert calls[-1][0] == f"HOME={home}"
 
 
 @pytest.mark.slow

@@ -30,12 +30,6 @@ def slurm():
     assert answer.returncode == 0, answer.stderr
 
 
-def test_profile_asks_for_no_account_or_partition_of_one_cluster():
-    profile = read(ROOT / "workflow/profiles/slurm/config.yaml")
-    assert profile["executor"] == "slurm"
-    assert not {"slurm_account", "slurm_partition"} & profile["default-resources"].keys()
-
-
 def test_a_job_that_takes_more_memory_than_it_asked_for_is_ended(slurm):
     """What makes the runs below a proof that the memory in the profile is enough."""
     hog = "x = b'1' * 600_000_000; import time; time.sleep(20)"
