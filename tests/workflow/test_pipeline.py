@@ -73,23 +73,19 @@ def test_a_wrong_configuration_is_refused_and_nothing_is_lost(built):
     assert built.files("small") == before
 
 
-def test_everything_is_made(whole):
-    kinds = ("features", "estimates")
-    expected = {
-        f"{kind}/{route}/above.csv" for kind in kinds for route in ("exact", "as_published")
-    }
-    expected |= {f"tables/table3{suffix}" for suffix in (".csv", ".md", "_above.csv", "_above.md")}
-    expected |= {f"figures/{name}.svg" for name in ("figure1", "figure2", "figure3")}
-    files = whole.files("small")
-    assert expected | {"orbits/resonance.json", "report.html", "figures/figure3.png"} <= set(files)
-    assert "claims.csv" not in files  # nothing printed to compare with
-
-
 def test_the_manifest_states_results_jobs_configuration_sources_and_packages(whole):
     stated = json.loads((whole.folder / MANIFEST).read_text(encoding="utf-8"))
     made, run = stated["reproducible"], stated["run"]
     there = {f"{RESULTS}/{name}": data for name, data in whole.files("small").items()}
-    assert {one["path"]: one["sha256"] for one in made["results"]} == {
+    listed = {one["path"]: one["sha256"] for one in made["results"]}
+    for name in (
+        "orbits/above.json",
+        "tables/table3_above.md",
+        "figures/figure3.png",
+        "report.html",
+    ):
+        assert f"{RESULTS}/{name}" in listed
+    assert listed == {
         path: hashlib.sha256(data).hexdigest()
         for path, data in there.items()
         if path != MANIFEST and "/studies/" not in path  # which this case does not cite

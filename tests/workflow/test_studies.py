@@ -55,7 +55,7 @@ def test_a_wrong_study_is_refused_and_stops_nothing_but_itself(studied):
         "seed": 1,
         "over": {"zeta": {"from": 0.1, "to": 1}},
     }
-    unknown = "line 1: axes[1].zetta: unknown key (did you mean zeta?)"
+    unknown = "line 2: axes[1].zetta: unknown key (did you mean zeta?)"
     for name, study, expected in (
         ("wrong", {"axes": [{"zetta": {"values": [0.1]}}]}, f"wrong.yaml: {unknown}"),
         ("wrong", {"axes": [{"sample": drawn}], "chunk_cases": 10**10}, "10,000,000,000,000 cases"),
