@@ -5,8 +5,6 @@ from __future__ import annotations
 import importlib
 import re
 
-import pytest
-
 from folders import ROOT
 
 TEXT = (ROOT / "paper/equations.md").read_text(encoding="utf-8")
@@ -54,18 +52,3 @@ def test_every_function_and_test_exists():
     for file, test in TEST.findall(TEXT):
         text = (ROOT / file).read_text(encoding="utf-8")
         assert re.search(rf"^def {test}\(", text, re.MULTILINE), f"{file}::{test}"
-
-
-# (4) is computed nowhere by itself: it is the step from the forces to the balance (5).
-@pytest.mark.parametrize("n", sorted(set(NUMBERED) - {4}))
-def test_the_number_stands_where_the_equation_is_implemented(n):
-    """One of the modules named for an equation cites it by its number."""
-    modules = {
-        module_of(name) for line in LINES if number(line) == n for name in named_functions(line)
-    }
-    files = [PACKAGE / f"{module.replace('.', '/')}.py" for module in modules]
-    cited = "".join(file.read_text(encoding="utf-8") for file in files)
-    numbers = {int(n) for n in re.findall(r"\((\d+)[ab]?\)", cited)}
-    for first, last in re.findall(r"\((\d+)[ab]?\)(?:–| to )\((\d+)[ab]?\)", cited):
-        numbers |= set(range(int(first), int(last) + 1))
-    assert n in numbers

@@ -174,10 +174,9 @@ def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
     assert (tmp_path / "tables/table1_nan.csv").is_file()
 
 
-def test_the_draws_are_of_both_kinds_and_no_name_leaves_the_results(tmp_path):
-    """Else nothing above were tried: of systems drawn anywhere some are accepted, and some are not."""
+def test_no_name_leaves_the_results_and_systems_drawn_anywhere_are_of_both_kinds(tmp_path):
     file = tmp_path / "case.yaml"
     file.write_text(yaml.safe_dump(base()), encoding="utf-8")
-    answers = [refused(at_the_border(random.Random(seed)), file) for seed in range(24)]
-    assert 6 <= sum(answer == "" for answer in answers) <= 20
     assert [name for name in NAMES if not refused(base() | {"case": name}, file)] == []
+    answers = [refused(at_the_border(random.Random(seed)), file) for seed in range(12)]
+    assert 2 <= sum(answer == "" for answer in answers) <= 10

@@ -71,9 +71,9 @@ def jobs_in(copy):
 def test_after_a_kill_the_same_command_suffices(copy, built):
     with started(copy) as (run, _):
         os.killpg(run.pid, signal.SIGKILL)
-    assert "--unlock" in copy.run(*SMALL, "features").stderr
+    assert "--unlock" in copy.run("features", *SMALL).stderr
     copy.made("--unlock")
-    copy.made(*PROFILE, *SMALL, "features")
+    copy.made("features", *PROFILE, *SMALL)
     made, whole = copy.files("small"), built.files("small")
     assert "features/exact/above.csv" in made
     assert made == {name: whole[name] for name in made}
