@@ -75,7 +75,7 @@ all: $(READY) ## Set up the environment, then rebuild tables, figures and claims
 
 setup: $(READY) $(TOOLS) ## Create or refresh the environment in .venv from the hash-pinned locks, with the tools of `make test` and `make docs`
 
-test: lint check unit ## Run every check: lint, types, the rebuild with its claims, all tests
+test: lint check unit ## Run what must pass before a merge: lint, types, the rebuild with its claims, the tests of the day
 
 lint: setup ## Check style, formatting and types
 	@$(RUN) ruff check .
@@ -83,10 +83,10 @@ lint: setup ## Check style, formatting and types
 	@$(RUN) mypy --num-workers auto
 	@$(RUN) snakefmt --check Snakefile workflow examples
 
-unit: setup ## Run the tests: unit, analytic, paper, workflow (choose with PYTEST_ARGS="-k …")
+unit: setup ## Run the tests of the day (choose with PYTEST_ARGS="-k …")
 	@$(PYTEST) -m "not nightly" $(PYTEST_ARGS)
 
-night: setup ## Run the tests that take long and rarely break, in a browser and a SLURM where these are installed
+night: setup ## Run the tests of the night: what takes long and rarely breaks, in a browser and a SLURM where these are installed
 	@$(PYTEST) -m nightly $(PYTEST_ARGS)
 
 check: $(READY) ## Rebuild what is out of date and compare each verdict with the recorded one

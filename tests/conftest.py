@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import builtins
 import gc
-import itertools
 import os
 import sys
-from collections import Counter
 from pathlib import Path
 
 import hypothesis
@@ -49,18 +47,15 @@ def sum_of_no_floats():
     builtins.sum = plain
 
 
-SLOW = (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").split()
-"""Functions that took 0.4 s in one case, or 2 s in all, when they were last measured; one that is missing is named
-at the end of a long run. Files whose fixtures build or start something mark themselves."""
+SLOW, NIGHTLY = (
+    {*(Path(__file__).parent / f"{name}.txt").read_text(encoding="utf-8").split()}
+    for name in ("slow", "nightly")
+)
+"""Tests that took 0.4 s in one case, or 2 s in all, when they were last measured: functions that compute; files whose
+fixtures build or start something mark themselves. And tests that take long and rarely break, which run at night, as
+does all that needs a browser, SLURM, or the article with all that it is made of."""
 
-
-NIGHTLY = (Path(__file__).parent / "nightly.txt").read_text(encoding="utf-8").split()
-"""Tests that take long and rarely break: `make night` runs them, and all that needs a browser or SLURM."""
-
-
-def function_of(nodeid: str) -> str:
-    """A test as it stands in slow.txt: without its case."""
-    return nodeid.partition("[")[0].removeprefix("tests/")
+DEAR = {"article", "browser", "slurm"}
 
 
 def pytest_xdist_auto_num_workers():
@@ -70,7 +65,7 @@ def pytest_xdist_auto_num_workers():
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection():
-    """Collect seven thousand tests without looking for garbage among them, which takes as long as all else, and leave
+    """Collect thousands of tests without looking for garbage among them, which takes as long as all else, and leave
     them out of every later search."""
     gc.disable()
     try:
@@ -81,71 +76,18 @@ def pytest_collection():
 
 
 def pytest_collection_modifyitems(items):
-    """Mark what slow.txt names as slow, by computing alone. Run slow tests first, those of the workflow before all
-    others, so that no process ends with one of them alone."""
+    """Mark what is on record as slow or nightly. Run slow tests first, those of the workflow before all others, so that
+    no process ends with one of them alone."""
     for item in items:
-        if function_of(item.nodeid) in SLOW:
+        name = item.nodeid.partition("[")[0].removeprefix("tests/")
+        if name in SLOW:
             item.add_marker("slow")
             item.add_marker("computing")
-        item.user_properties.append(("slow", item.get_closest_marker("slow") is not None))
+        if DEAR & {*item.fixturenames} or NIGHTLY & {name, name.partition("::")[0]}:
+            item.add_marker("nightly")
     items.sort(
         key=lambda item: (
             item.get_closest_marker("slow") is None,
             item.path.parent.name != "workflow",
         )
     )
-    for item in items:
-        needed = OPTIONAL.keys() & set(item.fixturenames)
-        item.user_properties += [("needs", OPTIONAL[name]) for name in needed]
-        name = function_of(item.nodeid)
-        dear = needed or DEAR & set(item.fixturenames)
-        if dear or name in NIGHTLY or name.partition("::")[0] in NIGHTLY:
-            item.add_marker("nightly")
-
-
-OPTIONAL = {"slurm": "in a real SLURM", "browser": "in a real browser"}
-"""Fixture → how a test with it is run. Not every machine has these programs."""
-
-DEAR = {"article"}
-"""Fixtures that take a minute: the article with all that it is made of, of which the page is made, too."""
-
-LONG = 120.0  # s of all tests together
-UNMARKED = 4.0  # s, twice what makes a test slow: a busy machine is no reason to mark it
-
-CLOSING = pytest.StashKey[list[str]]()
-
-
-def pytest_terminal_summary(terminalreporter, config):
-    """Count the tests that passed with a program that not every machine has, and the skipped tests by reason; name the
-    slowest files of a long run."""
-    passed, skipped = (terminalreporter.stats.get(name, []) for name in ("passed", "skipped"))
-    needed = Counter(
-        how for report in passed for name, how in report.user_properties if name == "needs"
-    )
-    reasons = Counter(report.longrepr[2].removeprefix("Skipped: ") for report in skipped)
-    config.stash[CLOSING] = [
-        f"{heading}: {'; '.join(f'{count} {what}' for what, count in sorted(counted.items()))}"
-        for heading, counted in (("Passed", needed), ("Skipped here, and why", reasons))
-        if counted
-    ]
-    times: Counter[str] = Counter()
-    unmarked: Counter[str] = Counter()
-    for report in itertools.chain.from_iterable(terminalreporter.stats.values()):
-        if isinstance(report, pytest.TestReport):
-            times[report.nodeid.partition("::")[0]] += report.duration
-            if ("slow", False) in report.user_properties:
-                unmarked[function_of(report.nodeid)] += report.duration
-    if sum(times.values()) > LONG:
-        config.stash[CLOSING].append(f"The slowest files, with what they wait for: {_list(times)}")
-        if slow := Counter({name: taken for name, taken in unmarked.items() if taken > UNMARKED}):
-            config.stash[CLOSING].append(f"Slow, and not in tests/slow.txt: {_list(slow)}")
-
-
-def _list(times: Counter[str]) -> str:
-    return ", ".join(f"{name} {seconds:.0f} s" for name, seconds in times.most_common(10))
-
-
-def pytest_unconfigure(config):
-    """Print the counts as the last lines of a run: tests with other programs, skipped tests, and what to install."""
-    for line in config.stash.get(CLOSING, []):
-        print(line)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from examples.running import DATA, script_of
-from folders import ROOT
 
 beam = script_of("beam")
 RECORDS = DATA / "brb"
@@ -41,15 +40,6 @@ def test_the_damping_of_a_decay_is_read_at_its_amplitude(slope, other):
     assert windows["X_m"].to_numpy() == pytest.approx(at, rel=2e-3)
 
 
-PREDICTED = (-0.0975, -0.1241, 1.33)  # relative error after the blow: mean, worst; best factor
-
-
-def test_the_readme_quotes_the_numbers_of_the_records():
-    text = " ".join((ROOT / "examples/beam/README.md").read_text(encoding="utf-8").split())
-    mean, worst = (f"{100.0 * abs(error):.1f} %" for error in PREDICTED[:2])
-    assert f"with an error of {mean} on average and {worst} at worst" in text
-
-
 @pytest.mark.skipif(not RECORDS.is_dir(), reason="no records of the beam: examples/beam/README.md")
 def test_the_numbers_of_the_records(tmp_path):
     beam.main(RECORDS, tmp_path)
@@ -64,7 +54,5 @@ def test_the_numbers_of_the_records(tmp_path):
         {"nothing": 0.0457, "residual receptance": 0.151, "hardening": 0.552}, rel=1e-2
     )
     predicted = (numbers["off_mean"], numbers["off_worst"], numbers["best_factor"])
-    assert predicted == pytest.approx(PREDICTED, rel=2e-2)
-    page = (tmp_path / "beam.md").read_text(encoding="utf-8")
-    assert "deviates by -9.8 % on average and -12.4 % at worst" in page
+    assert predicted == pytest.approx((-0.0975, -0.1241, 1.33), rel=2e-2)
     assert (tmp_path / "beam.svg").is_file()

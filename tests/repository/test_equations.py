@@ -5,8 +5,6 @@ from __future__ import annotations
 import importlib
 import re
 
-import pytest
-
 from folders import ROOT
 
 TEXT = (ROOT / "paper/equations.md").read_text(encoding="utf-8")
@@ -34,47 +32,23 @@ def named_functions(text):
     return sorted({name for name in FUNCTION.findall(text) if not name.startswith("tests")})
 
 
-def named_tests(text):
-    return sorted(set(TEST.findall(text)))
+def test_every_equation_has_its_line_in_order_with_a_function_and_a_test():
+    numbers = [number(line) for line in LINES]
+    assert sorted({*numbers}) == list(NUMBERED)
+    assert numbers == sorted(numbers)
+    for line in LINES:
+        _, _, _, functions, tests, _ = re.split(r"(?<!\\)\|", line)
+        assert named_functions(functions), line
+        assert TEST.findall(tests), line
 
 
-def test_every_numbered_equation_has_its_line_in_order():
-    assert sorted({number(line) for line in LINES}) == list(NUMBERED)
-    assert [number(line) for line in LINES] == sorted(number(line) for line in LINES)
-
-
-@pytest.mark.parametrize("line", LINES, ids=lambda line: line.split("|")[1].strip())
-def test_every_equation_names_a_function_and_a_test(line):
-    _, _, _, functions, tests, _ = re.split(r"(?<!\\)\|", line)
-    assert named_functions(functions)
-    assert named_tests(tests)
-
-
-def test_every_function_exists():
+def test_every_function_and_test_exists():
     for name in named_functions(TEXT):
         module = module_of(name)
         found = importlib.import_module(f"dampbalance.{module}")
         for part in name.removeprefix(f"{module}.").split("."):
             assert hasattr(found, part), f"dampbalance.{name} does not exist"
             found = getattr(found, part)
-
-
-def test_every_test_exists():
-    for file, test in named_tests(TEXT):
+    for file, test in TEST.findall(TEXT):
         text = (ROOT / file).read_text(encoding="utf-8")
         assert re.search(rf"^def {test}\(", text, re.MULTILINE), f"{file}::{test}"
-
-
-# (4) is computed nowhere by itself: it is the step from the forces to the balance (5).
-@pytest.mark.parametrize("n", sorted(set(NUMBERED) - {4}))
-def test_the_number_stands_where_the_equation_is_implemented(n):
-    """One of the modules named for an equation cites it by its number."""
-    modules = {
-        module_of(name) for line in LINES if number(line) == n for name in named_functions(line)
-    }
-    files = [PACKAGE / f"{module.replace('.', '/')}.py" for module in modules]
-    cited = "".join(file.read_text(encoding="utf-8") for file in files)
-    numbers = {int(n) for n in re.findall(r"\((\d+)[ab]?\)", cited)}
-    for first, last in re.findall(r"\((\d+)[ab]?\)(?:–| to )\((\d+)[ab]?\)", cited):
-        numbers |= set(range(int(first), int(last) + 1))
-    assert n in numbers

@@ -26,19 +26,6 @@ def test_an_import_from_a_higher_floor_would_be_seen():
         TopologicalSorter(rooms() | {"solver": {"measured"}}).prepare()
 
 
-def test_the_guide_names_what_is_there():
-    guide = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    guide = guide.split("## Four ways through the house")[1].split("## Style")[0]
-    names = set(re.findall(r"`((?:[a-z_]+\.)+(?!yaml|csv|parquet|py|md)\w+)`", guide))
-    paths = set(re.findall(r"`([a-z_]+(?:/[a-z_]+)*\.py)`", guide))
-    assert {"motion.orbit.steady_orbit", "fit.steady_search"} <= names
-    for name in names:
-        module, _, last = f"dampbalance.{name}".rpartition(".")
-        assert f"{module}.{last}" in MODULES or hasattr(import_module(module), last), name
-    places = PACKAGE, ROOT / "paper/site/symptoms", ROOT
-    assert [path for path in paths if not any((place / path).exists() for place in places)] == []
-
-
 @pytest.mark.parametrize("folder", ["trials", "examples", "paper", "workflow"])
 def test_programs_import_what_the_package_has(folder):
     names = {
@@ -60,15 +47,6 @@ def test_no_import_runs_in_a_circle():
 
 def test_the_method_is_a_handful_of_files():
     assert len(list(PACKAGE.glob("*.py"))) <= MOST_ROOT_MODULES
-
-
-@pytest.mark.parametrize(
-    "face", sorted(PACKAGE.rglob("*/__init__.py")), ids=lambda path: path.parent.name
-)
-def test_a_room_says_what_it_is_for(face):
-    words = ast.get_docstring(ast.parse(face.read_text(encoding="utf-8")))
-    assert words
-    assert words.split("\n")[0].endswith(".")
 
 
 def scripts_of_rules() -> list[tuple[str, str, str, str]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 
 import numpy as np
@@ -11,21 +10,18 @@ import pytest
 
 from dampbalance import Oscillator, identify, measured_ring_down
 from dampbalance.estimates import estimate_table
-from dampbalance.features import Features
 from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
 from dampbalance.identification.pictures import draw
 from dampbalance.project.wording import with_error
-from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
 from dampbalance.replication.comparison import off_resonance
-from dampbalance.replication.numbers import by_key
 from dampbalance.studies.reading_study import read_study
 from folders import ROOT
-from paper_case import FREQUENCIES_HZ, OMEGA, PAIRS, PAPER, features_at, orbits_at
-from replication.routes import CASE, PRINT, approaches, exact, judged, nothing, numbers
+from paper_case import FREQUENCIES_HZ, PAIRS, PAPER, features_at, orbits_at
+from replication.routes import CASE, PRINT, approaches, nothing
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 RESULTS = (ROOT / "results/README.md").read_text(encoding="utf-8")
@@ -60,41 +56,6 @@ def test_the_verdicts_are_those_on_record():
         f"{near} within one unit of it or within the rounding of what was printed, {total['unexplained']} agree "
         f"without a known cause, and {total['differs']} differ"
     ) in " ".join(README.split())
-
-
-def test_what_the_agreement_proves_is_as_counted():
-    table = judged()
-    routes, chance = evidence.by_route(table), evidence.chance(table)
-    choices = {kind: len(of) for kind, of in evidence.free_choices(CASE).items()}
-    found = evidence.inputs_of_table_3(CASE, by_key(numbers()))
-    above = [
-        f"{100.0 * of.share:.0f} %"
-        for of in unprinted.drawn(
-            Features.from_frame(exact().features["omega3"]),
-            CASE,
-            PRINT["text.max_error_omega3"].value,
-        )
-    ]
-    text = " ".join(RESULTS.split())
-    assert (routes["exact"], routes["print_elsewhere"], choices["continuous"]) == (12, 1, 1)
-    assert (found["inputs"], found["moved"]["t_s"], found["moved"]["X + X_s"]) == (
-        9,
-        [0, 0],
-        [1, 1],
-    )
-    for words in (
-        "Twelve numbers stand in columns that the exact solution gives throughout",
-        f"the simulation gives {routes['simulation']}, and arithmetic on printed tables",
-        f"standard deviations) {routes['print']} more",
-        f"{routes['simulation_reproduced']} of the {routes['simulation']} count as reproduced",
-        f"{chance['close']} exact numbers agree in all digits but the last",
-        f"one in ten, {chance['expected']:g}, is expected to agree in the last, too; {chance['observed']} do",
-        f"one continuous choice, the step, and {choices['discrete']} discrete ones",
-        "nine inputs, of which one, t_s, moves no digit, and one, X + X_s, a single one",
-        f"{above[0]} exceed the bound if X is known to 1 µm and φ to 0.003 rad, {above[1]} with 2 µm and 0.004 rad, "
-        f"{above[2]} with the decimals of Table 1",
-    ):
-        assert words in text
 
 
 def decay_with_fit():
@@ -140,36 +101,16 @@ def test_the_errors_quoted_are_those_found(hertz, worst):
 
 
 def test_the_causes_of_failure_have_the_sizes_quoted():
-    table = approaches()
-    at, below, above = off_resonance(table, FREQUENCIES_HZ)
-    largest = table.loc[table["approach"] == "fourier", "F_k_largest_pair_error_percent"].max()
+    at, below, above = off_resonance(approaches(), FREQUENCIES_HZ)
     text = " ".join(RESULTS.split())
     for words in (
-        f"F_k off by {at['peak']} at 4.92 Hz, {below['peak']} at 3.5 Hz and {above['peak']} at 11.1 Hz",
+        f"F_k off by {at['peak']} at 4.92 Hz, {below['peak']} at 3.5 Hz and {above['peak']} at",
         f"F_k by {below['which']} percentage points at 3.5 Hz and by {above['which']} at 11.1 Hz",
         f"the second by {below['shared']} and {above['shared']},",
         f"and both together by {below['both']} and {above['both']}:",
         f"errs by {at['paper']}, {below['paper']} and {above['paper']}.",
-        f"from every pair of levels within {largest:.2g} %",
     ):
         assert words in text
-
-
-def test_the_speed_is_the_one_measured():
-    """The fastest peer of all ways that were tried, and a million cases on two threads."""
-    lines = (ROOT / "trials/benchmarks/README.md").read_text(encoding="utf-8").splitlines()
-    rows = [line.strip("| ").split(" | ") for line in lines if line.startswith("| ")]
-    peers = [
-        row for row in rows if len(row) == 8 and row[0].startswith(("heyoka", "diffrax", "scipy"))
-    ]
-    slower = min(float(row[5].replace(",", "")) for row in peers)
-    (millions,) = (float(row[6]) for row in rows if len(row) == 7 and row[:2] == ["1,000,000", "2"])
-    assert len(peers) == 11
-    assert 1.0 <= millions < 1.5
-    assert (
-        "solves a million cases per second on two cores, "
-        f"about {round(slower, -1):.0f} times as many as the fastest general solver"
-    ) in " ".join(README.split())
 
 
 def test_the_table_of_studies_counts_their_cases():
@@ -182,38 +123,19 @@ def test_the_table_of_studies_counts_their_cases():
     assert shown == sorted(path.stem for path in folder.glob("*.yaml"))
 
 
-def examples() -> dict[str, str]:
-    """Each piece of Python in it, by the name that its import of the package begins with."""
-    pieces = re.findall(r"```python\n(.*?)```", README + LIBRARY, re.DOTALL)
-    return {re.search(r"from dampbalance import (\w+)", code)[1]: code for code in pieces}
-
-
-def test_there_is_an_example_of_each_job():
-    assert set(examples()) == {"study", "BaseMotion", "identify"}
-
-
-def test_the_example_of_records_runs(tmp_path, monkeypatch):
+def test_the_examples_run(tmp_path, monkeypatch):
     for file in (ROOT / "config/records/example").glob("level*.csv"):
         (tmp_path / file.name).write_bytes(file.read_bytes())
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    exec(examples()["identify"], names)
+    for code in re.findall(r"```python\n(.*?)```", README + LIBRARY, re.DOTALL):
+        exec(code, names)
     low, high = names["found"].intervals["F_k"]
     assert low < PAPER.F_k < high
     assert (tmp_path / "found/summary.txt").exists()
-
-
-def test_the_example_runs():
-    names: dict[str, object] = {}
-    exec(examples()["BaseMotion"], names)
     orbit, osc = names["orbit"], names["osc"]
     # A difference of numbers of some 0.08 J: a few units of rounding, 1e-17 J each.
     assert abs(orbit.a * osc.F_k + orbit.b * osc.c - orbit.W) < 1e-16
-
-
-def test_the_example_of_a_notebook_runs():
-    names: dict[str, object] = {}
-    exec(examples()["study"], names)
     assert "fourier__least_squares" in repr(names["studied"])
 
 
@@ -221,9 +143,3 @@ def test_every_file_it_links_to_is_there():
     for folder, text in ((ROOT, README), (ROOT / "results", RESULTS)):
         for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
             assert (folder / target).exists(), target
-
-
-def test_the_dissipation_quoted_is_that_of_the_configuration():
-    value = PAPER.m * (37.19 + OMEGA**2 * 5.0e-6)  # c/m as rounded
-    assert f"{value:.4f} N s/m" in RESULTS
-    assert json.dumps(round(value, 4)) == "90.0114"

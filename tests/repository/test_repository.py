@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -9,6 +10,7 @@ import subprocess
 import tomllib
 from pathlib import Path
 
+import jsonschema
 import pytest
 import yaml
 from packaging.requirements import Requirement
@@ -16,31 +18,11 @@ from packaging.utils import canonicalize_name
 
 import dampbalance
 from folders import ROOT
-from processes import run
+from processes import git, run
 
-LOCKS = (
-    "requirements.lock",
-    "requirements-dev.lock",
-    "requirements-build.lock",
-    "requirements-engine.lock",
-)
+LOCKS = sorted(path.name for path in ROOT.glob("requirements*.lock"))
 MODULES = sorted((ROOT / "src").rglob("*.py"))
 LONGEST_MODULE = 600  # lines; a file is a concept that an expert names
-
-
-def project_files() -> list[Path]:
-    """Every text file of the project: what is or would be under version control."""
-    command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-    listing = subprocess.run(command, cwd=ROOT, capture_output=True, check=True)
-    names = {name for name in listing.stdout.decode().split("\0") if name}
-    paths = (ROOT / name for name in sorted(names))
-    return [path for path in paths if path.is_file() and b"\0" not in path.read_bytes()]
-
-
-needs_git = pytest.mark.skipif(
-    shutil.which("git") is None or not (ROOT / ".git").exists(),
-    reason="not a git checkout: which files belong to the project is unknown",
-)
 
 
 def pyproject() -> dict:
@@ -60,57 +42,34 @@ def pins(lock: str) -> dict[str, set[str]]:
 
 
 @pytest.mark.parametrize("lock", LOCKS)
-def test_lock_names_packages_and_no_place_to_fetch_them_from(lock):
+def test_a_lock_names_packages_with_hashes_and_no_place_to_fetch_them_from(lock):
     text = (ROOT / lock).read_text(encoding="utf-8")
     assert not re.findall(r".*(?:://|--(?:extra-)?index-url|--find-links|--trusted-host).*", text)
-
-
-@pytest.mark.parametrize("lock", LOCKS)
-def test_every_locked_package_has_one_version_and_a_hash(lock):
-    lines = (ROOT / lock).read_text(encoding="utf-8").replace("\\\n", " ").splitlines()
+    lines = text.replace("\\\n", " ").splitlines()
     entries = [line for line in lines if line.strip() and not line.strip().startswith("#")]
     assert entries
     without = [entry[:60] for entry in entries if not re.match(r"\S+==\S+ .*--hash=sha256:", entry)]
     assert without == []
 
 
-def locked_requirements() -> list[tuple[str, str]]:
-    """(lock, requirement) for all that pyproject.toml asks for and a lock has to hold."""
+def test_locks_hold_what_pyproject_asks_for_and_agree():
     settings = pyproject()
-    project = settings["project"]
-    extras = project["optional-dependencies"]
-    wanted = [("requirements.lock", text) for text in project["dependencies"]]
-    rebuild = {*extras["workflow"], *extras["article"]}
-    wanted += [("requirements.lock", text) for text in rebuild]
-    tested = {*extras["records"], *extras["slurm"]} - rebuild
-    wanted += [("requirements-dev.lock", text) for text in tested]
-    of_group = {
-        "dev": "requirements-dev.lock",
-        "docs": "requirements-dev.lock",
-        "build": "requirements-build.lock",
-        "engine": "requirements-engine.lock",
-    }
-    for group, lock in of_group.items():
-        wanted += [(lock, text) for text in settings["dependency-groups"][group]]
-    wanted += [("requirements-build.lock", text) for text in settings["build-system"]["requires"]]
-    return wanted
-
-
-def test_locks_hold_what_pyproject_asks_for():
-    locked = {lock: pins(lock) for lock in LOCKS}
-    for lock, text in locked_requirements():
-        requirement = Requirement(text)
-        versions = locked[lock].get(canonicalize_name(requirement.name), set())
-        assert versions, f"{requirement.name} is missing from {lock}: run `make lock`"
-        assert all(requirement.specifier.contains(version) for version in versions), text
-
-
-def test_the_locks_agree():
-    rebuild, tools, build, engine = (pins(lock) for lock in LOCKS)
-    assert [name for name in build.keys() & rebuild.keys() if build[name] != rebuild[name]] == []
-    assert [name for name in build.keys() & tools.keys() if build[name] != tools[name]] == []
-    assert rebuild.keys() & tools.keys() == set()  # the tools come in addition
-    assert (rebuild.keys() | tools.keys()) & engine.keys() == set()
+    extras, groups = settings["project"]["optional-dependencies"], settings["dependency-groups"]
+    rebuild = pins("requirements.lock")
+    for name, wanted in {
+        "": [*settings["project"]["dependencies"], *extras["workflow"], *extras["article"]],
+        "-dev": [*extras["records"], *extras["slurm"], *groups["dev"], *groups["docs"]],
+        "-build": [*groups["build"], *settings["build-system"]["requires"]],
+        "-engine": groups["engine"],
+    }.items():
+        locked = pins(f"requirements{name}.lock")
+        for requirement in map(Requirement, wanted):
+            of = canonicalize_name(requirement.name)
+            versions = locked.get(of) or rebuild[of]  # which the tools come in addition to
+            assert all(map(requirement.specifier.contains, versions)), f"{requirement}: make lock"
+        shared = locked.keys() & rebuild.keys()
+        assert [of for of in shared if locked[of] != rebuild[of]] == []
+        assert name in ("", "-build") or not shared
 
 
 # --- nothing of one machine ----------------------------------------------------------------------
@@ -118,51 +77,40 @@ def test_the_locks_agree():
 
 # Put together here, so that this file does not hold what it looks for.
 MACHINE_PATH = re.compile(
-    r"(?<![\w.~}])/(?:" + "|".join(("work", "root", "home", "Users")) + r")/\w"
+    rb"(?<![\w.~}])/(?:" + b"|".join((b"work", b"root", b"home", b"Users")) + rb")/\w"
 )
 
 
-@pytest.mark.parametrize("prefix", ["work", "root", "home", "Users"])
-def test_machine_paths_are_recognised(prefix):
-    assert MACHINE_PATH.search(f"open('/{prefix}/someone/data.csv')")
-    assert not MACHINE_PATH.search(f"see docs/{prefix}/someone and ./{prefix}/x")
-
-
-@needs_git
+@pytest.mark.skipif(
+    shutil.which("git") is None or not (ROOT / ".git").exists(),
+    reason="not a git checkout: which files belong to the project is unknown",
+)
 def test_no_file_holds_a_path_of_one_machine():
-    found = [
-        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
-        for path in project_files()
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1)
-        if MACHINE_PATH.search(line)
-    ]
-    assert found == []
+    assert MACHINE_PATH.search(b"open('/" + b"home/someone/data.csv')")
+    listed = git(ROOT, "ls-files", "-z", "--cached", "--others", "--exclude-standard")
+    texts = {name: ROOT / name for name in listed.split("\0") if (ROOT / name).is_file()}
+    texts = {name: text for name, path in texts.items() if b"\0" not in (text := path.read_bytes())}
+    assert [name for name, text in texts.items() if MACHINE_PATH.search(text)] == []
 
 
-@needs_git
-def test_results_are_ignored_but_for_their_readme():
-    def ignored(path: str) -> bool:
-        command = ["git", "check-ignore", "--quiet", "--no-index", path]
-        return subprocess.run(command, cwd=ROOT, check=False).returncode == 0
-
-    assert ignored("results/paper/claims.csv")
-    assert ignored(".venv/pyvenv.cfg")
-    assert not ignored("results/README.md")
-    assert not ignored("src/dampbalance/__init__.py")
+# --- the citation and its licence ----------------------------------------------------------------
 
 
-# --- one version, one licence --------------------------------------------------------------------
-
-
-def test_version_is_the_same_everywhere():
-    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-    assert pyproject()["project"]["version"] == citation["version"] == dampbalance.__version__
-
-
-def test_licence_is_the_same_everywhere():
-    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
-    assert pyproject()["project"]["license"] == citation["license"] == "BSD-3-Clause"
-    assert (ROOT / "LICENSE").read_text(encoding="utf-8").startswith("BSD 3-Clause License")
+def test_the_citation_follows_its_schema_and_has_the_version_and_the_licence_of_the_project():
+    # dates stay text, as the schema wants them
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    citation = yaml.load(text, yaml.BaseLoader)
+    for reference in citation["references"]:
+        reference["year"] = int(reference["year"])
+    schema = json.loads((ROOT / "tests/repository/cff-1.2.0.schema.json").read_text("utf-8"))
+    dates = jsonschema.Draft7Validator.FORMAT_CHECKER
+    validator = jsonschema.Draft7Validator(schema, format_checker=dates)
+    assert [error.json_path for error in validator.iter_errors(citation)] == []
+    project = pyproject()["project"]
+    assert project["version"] == citation["version"] == dampbalance.__version__
+    assert project["license"] == citation["license"] == "BSD-3-Clause"
+    licence = (ROOT / "LICENSE").read_text(encoding="utf-8")
+    assert licence == (ROOT / "LICENSES/BSD-3-Clause.txt").read_text(encoding="utf-8")
 
 
 # --- make ----------------------------------------------------------------------------------------
@@ -173,49 +121,24 @@ def make(*arguments: str, folder: Path = ROOT) -> subprocess.CompletedProcess[st
     return run("make", "--no-print-directory", *arguments, folder=folder, **handed_down)
 
 
-def documented_targets() -> list[str]:
-    return re.findall(r"^  make (\S+) ", make("help").stdout, re.MULTILINE)
-
-
-def test_make_help_shows_the_targets_people_are_told_about():
-    assert {"all", "test", "check", "clean", "lock", "help"} <= set(documented_targets())
-
-
-def test_every_documented_target_can_be_made():
+def test_every_target_is_documented_and_can_be_made():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     # GNU make runs a line that refers to this variable in a dry run, too
-    assert "$(MAKE)" not in (ROOT / "Makefile").read_text(encoding="utf-8")
-    for target in documented_targets():
-        plan = make("--dry-run", target)
-        assert plan.returncode == 0, f"make {target}: {plan.stderr}"
+    assert "$(MAKE)" not in makefile
+    targets = re.findall(r"^  make (\S+) ", make("help").stdout, re.MULTILINE)
+    phony = re.search(r"^\.PHONY: (.*)$", makefile, re.MULTILINE)
+    assert {*phony[1].split()} - {"stale"} == {*targets}
+    plan = make("--dry-run", *targets)
+    assert plan.returncode == 0, plan.stderr
 
 
-def test_every_phony_target_is_documented():
-    phony = re.search(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
-    assert phony
-    assert set(phony[1].split()) - {"stale"} == set(documented_targets())
-
-
-@pytest.fixture
-def bare_copy(tmp_path):
-    """What a set-up needs, in a folder of its own that has no environment yet."""
-    for name in ("Makefile", "pyproject.toml", *LOCKS):
-        shutil.copy(ROOT / name, tmp_path)
-    return tmp_path
-
-
-def fake_python(folder: Path, accepts: str) -> Path:
-    """An interpreter that says it is 3.8.0 and succeeds only at code that contains `accepts`."""
-    script = folder / "fake-python"
-    script.write_text(
-        "#!/bin/sh\n"
-        'case "$*" in\n'
-        "    --version) echo Python 3.8.0 ;;\n"
-        f"    *{accepts}*) ;;\n"
-        "    *) exit 1 ;;\n"
-        "esac\n"
-    )
-    script.chmod(0o755)
-    return script
+FAKE = """#!/bin/sh
+case "$*" in
+    --version) echo Python 3.8.0 ;;
+    *{accepts}*) ;;
+    *) exit 1 ;;
+esac
+"""
 
 
 @pytest.mark.parametrize(
@@ -223,23 +146,20 @@ def fake_python(folder: Path, accepts: str) -> Path:
     [
         ("nothing", ["Python 3.11 or newer is needed", "Python 3.8.0", "make PYTHON="]),
         ("version_info", ["lacks the venv module", "python3-venv"]),
+        ("-", ["Setting up .venv"]),  # it accepts everything, and makes no environment
     ],
 )
-def test_set_up_with_an_unfit_python_says_what_to_do(bare_copy, accepts, words):
-    outcome = make("setup", f"PYTHON={fake_python(bare_copy, accepts)}", folder=bare_copy)
-    assert outcome.returncode != 0
-    assert [word for word in words if word not in outcome.stderr] == []
-    assert not (bare_copy / ".venv").exists()
-
-
-@pytest.mark.slow
-def test_interrupted_set_up_is_not_taken_for_a_finished_one(bare_copy):
-    python = fake_python(bare_copy, accepts="-")  # accepts everything, and makes no environment
+def test_a_set_up_that_fails_says_why_and_is_not_taken_for_a_finished_one(tmp_path, accepts, words):
+    for name in ("Makefile", "pyproject.toml", *LOCKS):
+        shutil.copy(ROOT / name, tmp_path)
+    python = tmp_path / "fake-python"
+    python.write_text(FAKE.format(accepts=accepts), encoding="utf-8")
+    python.chmod(0o755)
     for _ in range(2):
-        outcome = make("setup", f"PYTHON={python}", folder=bare_copy)
-        assert outcome.returncode != 0
-        assert "Setting up .venv" in outcome.stdout
-    assert not (bare_copy / ".venv" / "locked").exists()
+        done = make("setup", f"PYTHON={python}", folder=tmp_path)
+        assert done.returncode != 0
+        assert [word for word in words if word not in done.stdout + done.stderr] == []
+    assert not (tmp_path / ".venv/locked").exists()
 
 
 # --- the sources ---------------------------------------------------------------------------------

@@ -1,37 +1,34 @@
-"""Copies of the project that the tests of the workflow run in."""
+"""The cases that tests of the workflow share, built by the first process of the test run that asks for them."""
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
 
 from folders import ROOT, shared
-from workflow.copies import EXAMPLE, SMALL, Checkout, copied
+from workflow.copies import DAILY, EVERY, EXAMPLE, SMALL, Checkout, copied, small_case, summaries
 
 
-@pytest.fixture(scope="module")
-def checkout(tmp_path_factory):
-    """Makes copies of the project: checkout() -> Checkout."""
-    return lambda: copied(ROOT, tmp_path_factory.mktemp("checkout"))
+@pytest.fixture
+def checkout(tmp_path) -> Checkout:
+    """A copy of the project with nothing built."""
+    return copied(ROOT, tmp_path / "checkout")
 
 
 @pytest.fixture(scope="session")
 def small(tmp_path_factory) -> Path:
-    """The small case, built on two cores by the first process of the test run that asks for it."""
+    """The tables of the small case, and two studies of its oscillator."""
 
     def make(folder: Path) -> None:
-        copy = copied(ROOT, folder)
-        shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
-        copy.made(*SMALL)
+        small_case(folder, DAILY).made(*SMALL, "--", "tables", *summaries(DAILY))
 
     return shared(tmp_path_factory, "small", make)
 
 
 @pytest.fixture(scope="session")
 def example(tmp_path_factory) -> Path:
-    """The example of measured records, identified, and in example.txt what was said, by the first process that asks."""
+    """The example of measured records, identified, and in example.txt what was said."""
 
     def make(folder: Path) -> None:
         said = copied(ROOT, folder).made(*EXAMPLE)
@@ -43,5 +40,28 @@ def example(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def built(small, tmp_path_factory) -> Checkout:
     """The small case with its results, a copy for the tests of a module."""
-    folder = tmp_path_factory.mktemp("built")
-    return copied(small, folder, "small.yaml", "results/small", ".snakemake")
+    return copied(small, tmp_path_factory.mktemp("built"), "small.yaml", "results", ".snakemake")
+
+
+@pytest.fixture(scope="module")
+def whole(built) -> Checkout:
+    """The same with figures, page and manifest."""
+    built.made(*SMALL)
+    return built
+
+
+@pytest.fixture(scope="session")
+def every_study(tmp_path_factory) -> Path:
+    """The tables of the small case, and small variants of all shipped studies."""
+
+    def make(folder: Path) -> None:
+        small_case(folder, EVERY).made(*SMALL, "--", "tables", "studies")
+
+    return shared(tmp_path_factory, "every_study", make)
+
+
+@pytest.fixture(scope="module")
+def studied(every_study, tmp_path_factory) -> Checkout:
+    """A copy of it for the tests of a module."""
+    folder = tmp_path_factory.mktemp("studied")
+    return copied(every_study, folder, "small.yaml", "results", ".snakemake")

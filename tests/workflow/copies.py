@@ -1,38 +1,45 @@
-"""Copies of the whole project, each in its folder, and a way to run the workflow there."""
+"""Copies of the project, in which Snakemake is started as a user starts it."""
 
 from __future__ import annotations
 
 import re
 import shutil
 import subprocess
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from numba.core.caching import _CacheLocator
+import yaml
+from snakemake.utils import update_config
 
-from folders import PROJECT, contents
-from workflow.starting import snakemake
+from folders import PROJECT, ROOT, contents, restored
+from processes import run
 
-get_subpath = _CacheLocator.get_suitable_cache_subpath
-
+SNAKEMAKE = (sys.executable, "-m", "snakemake")
 SMALL = ("--configfile", "small.yaml")
 EXAMPLE = ("--configfile", "config/measured.yaml")
+DAILY = ("level", "damping")  # c is taken from the configuration, and set by an axis
+EVERY = tuple(sorted(path.stem for path in (ROOT / "config/studies").glob("*.yaml")))
 PROFILE = ("--workflow-profile", "workflow/profiles/default")  # as `make` starts it
 
 
 @dataclass(frozen=True)
 class Checkout:
-    """A copy of the sources; `run` starts Snakemake in it with the copy's own package.
+    """A copy of the project.
 
-    project : the copy whose package is used, where the folder is another one.
+    package : whose package Snakemake uses in it. That of the tests has compiled kernels; a copy whose package is edited
+    compiles its own.
     """
 
     folder: Path
-    project: Path | None = None
+    package: Path = ROOT
 
     def run(self, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
-        return snakemake(self.folder, "--cores", str(cores), *arguments, project=self.project)
+        command = (*SNAKEMAKE, f"--cores={cores}", *arguments)
+        return run(*command, folder=self.folder, PYTHONPATH=str(self.package / "src"))
 
     def made(self, *arguments: str, **options: Any) -> str:
         """What a run says that must succeed."""
@@ -47,30 +54,14 @@ class Checkout:
         assert (done.returncode != 0, "Traceback" in said) == (True, False)
         return said
 
-    def jobs(self, *arguments: str) -> dict[str, int]:
-        """How many jobs of each rule a run would start (a dry run)."""
+    def jobs(self, *arguments: str) -> dict[str, str]:
+        """Message → reason of each job that a run would start (a dry run)."""
         said = self.made("--dry-run", *arguments)
-        table = re.search(r"^job +count\n-.*\n((?:\w+ +\d+\n)*)", said, re.MULTILINE)
-        rows = table[1].splitlines() if table else ()
-        return {name: int(count) for name, count in map(str.split, rows)}
+        return dict(re.findall(r"^Job \d+: (.*)\nReason: (.*)", said, re.MULTILINE))
 
     def files(self, folder: str) -> dict[str, bytes]:
         """Every file below results/<folder>, by its path in it."""
         return contents(self.folder / "results" / folder)
-
-
-def keep_kernels(source: Path, folder: Path) -> None:
-    """Let a copy of the sources use the kernels that these have compiled: Numba knows sources by their path, size and
-    time, and the package by a digest of them."""
-    for cached in (source / "src").rglob("kernels-*/*_*"):
-        kept = folder / cached.parent.relative_to(source)
-        for package in (source / "src").rglob("*/"):
-            own = folder / package.relative_to(source)
-            if cached.name == get_subpath(str(package / "any.py")):
-                shutil.copytree(cached, kept / get_subpath(str(own / "any.py")))
-                for module in package.glob("*.py"):
-                    shutil.copystat(module, own / module.name)
-                break
 
 
 def copied(source: Path, folder: Path, *more: str) -> Checkout:
@@ -79,8 +70,52 @@ def copied(source: Path, folder: Path, *more: str) -> Checkout:
         target = folder / name
         target.parent.mkdir(parents=True, exist_ok=True)
         if (source / name).is_dir():
-            shutil.copytree(source / name, target, ignore=shutil.ignore_patterns("kernels-*"))
+            caches = shutil.ignore_patterns("__pycache__")
+            shutil.copytree(source / name, target, ignore=caches, dirs_exist_ok=True)
         elif (source / name).is_file():
             shutil.copy2(source / name, target)
-    keep_kernels(source, folder)
     return Checkout(folder)
+
+
+def dump(path: Path, document: Any) -> None:
+    """Write a document as YAML."""
+    path.write_text(yaml.safe_dump(document, allow_unicode=True, sort_keys=False), encoding="utf-8")
+
+
+def read(path: Path) -> Any:
+    """The document of a YAML file."""
+    return yaml.safe_load(path.read_text(encoding="utf-8"))
+
+
+def configuration(folder: Path) -> dict[str, Any]:
+    """The configuration of the small case, as its two files have it."""
+    config = read(folder / "config/config.yaml")
+    update_config(config, read(folder / "small.yaml"))
+    return config
+
+
+@contextmanager
+def edited(file: Path, changes: dict[str, str]) -> Iterator[None]:
+    """Other words in a file, until the end."""
+    text = file.read_text(encoding="utf-8")
+    for old, new in changes.items():
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    with restored(file):
+        file.write_text(text, encoding="utf-8")
+        yield
+
+
+def small_case(folder: Path, studies: Iterable[str]) -> Checkout:
+    """A copy of the project with the small case, and with few cases in these studies, which are of its oscillator."""
+    copy = copied(ROOT, folder)
+    shutil.copy2(ROOT / "tests/workflow/small.yaml", folder)
+    for name in studies:
+        file = folder / f"config/studies/{name}.yaml"
+        dump(file, read(file) | read(ROOT / f"tests/workflow/studies/{name}.yaml"))
+    return copy
+
+
+def summaries(studies: Iterable[str]) -> list[str]:
+    """The targets of studies of the small case."""
+    return [f"results/small/studies/{name}/summary.md" for name in studies]

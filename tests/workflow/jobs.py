@@ -1,4 +1,4 @@
-"""The jobs of a case, run in this process: the scripts of the rules, in the order of the workflow."""
+"""The scripts of the rules, run in this process in the order of the workflow, with what a rule would hand them."""
 
 from __future__ import annotations
 
@@ -14,22 +14,17 @@ from dampbalance.project.files import ROUTES
 from folders import ROOT
 
 
-class Named(SimpleNamespace):
-    """Files or parameters of a rule, by name; None for one that the rule lacks."""
+class Named(dict[str, Any]):
+    """What a rule hands its script, by name; None for what it lacks."""
 
     def __getattr__(self, name: str) -> Any:
-        return None
-
-    def get(self, name: str, default: Any = None) -> Any:
-        return vars(self).get(name, default)
+        return self.get(name)
 
 
 def run(script: str, **given: Any) -> None:
     """One job: `script` is a path below workflow/scripts; input, output, params are by name."""
-    groups = {name: Named(**value) for name, value in given.items()}
-    snakemake = SimpleNamespace(
-        **{"input": Named(), "output": Named(), "log": (), "threads": 1} | groups
-    )
+    groups = {name: Named(given.get(name, {})) for name in ("input", "output", "params")}
+    snakemake = SimpleNamespace(**groups, log=(), threads=1)
     hook = sys.excepthook  # which a script replaces
     try:
         path = ROOT / "workflow/scripts" / script
@@ -41,30 +36,27 @@ def run(script: str, **given: Any) -> None:
 def case_jobs(config: Mapping[str, Any], folder: Path) -> None:
     """What a case without printed numbers has: orbits, records, features, estimates, numbers, tables.
 
-    config : a whole configuration that `check` and `check_feasible` have passed.
+    config : a whole configuration that `check_case` and `check_feasible` have passed.
     """
     frequencies = list(Case.from_config(config).frequencies_hz)
-    given = {"params": {"case": config, "folder": str(folder)}}
+    params = {"case": config, "folder": str(folder)}
 
     def files(pattern: str) -> list[Path]:
         return [folder / pattern.format(frequency) for frequency in frequencies]
 
-    exact = {
-        "orbits": files("orbits/{}.json"),
-        "features": files("features/exact/{}.csv"),
-    }
+    exact = {"orbits": files("orbits/{}.json"), "features": files("features/exact/{}.csv")}
     read = {
         "records": files("records/as_published/{}.parquet"),
         "tabulated": files("features/as_published/{}.csv"),
         "two_point": files("features/as_published/two_point/{}.csv"),
         "unrounded": files("features/as_published/unrounded/{}.csv"),
     }
-    run("response/response_exact.py", output=exact, **given)
-    run("response/response_as_published.py", output=read, **given)
-    entering = {"features": read["tabulated"], "two_point": read["two_point"]}
-    for route, features in zip(ROUTES, (exact, entering), strict=True):
+    run("response/response_exact.py", output=exact, params=params)
+    run("response/response_as_published.py", output=read, params=params)
+    entering = exact, {"features": read["tabulated"], "two_point": read["two_point"]}
+    for route, features in zip(ROUTES, entering, strict=True):
         output = {"estimates": files(f"estimates/{route}/{{}}.csv")}
-        run("estimates/estimate.py", input=features, output=output, **given)
-    numbers = {"csv": folder / "numbers.csv"}
-    run("claims/numbers.py", input=read, output=numbers, **given)
-    run("tables/tables.py", input={"numbers": numbers["csv"]}, **given)
+        run("estimates/estimate.py", input=features, output=output, params=params)
+    numbers = folder / "numbers.csv"
+    run("claims/numbers.py", input=read, output={"csv": numbers}, params=params)
+    run("tables/tables.py", input={"numbers": numbers}, params=params)

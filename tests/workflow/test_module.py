@@ -6,15 +6,14 @@ import json
 import os
 
 import pytest
-import yaml
 
 from folders import restored
-from workflow.copies import SMALL, Checkout
+from workflow.copies import SMALL, Checkout, dump, read
 
 pytestmark = pytest.mark.slow
 
 FOREIGN = """\
-configfile: "config/config.yaml"
+configfile: "config.yaml"
 
 
 rule mine:
@@ -33,97 +32,44 @@ module small:
 
 use rule * from small
 """
-# The rules have other names, and the case is the paper's.
-PAPER = """\
-module paper:
-    snakefile: "{project}/Snakefile"
-
-
-use rule * from paper as paper_*
-"""
+TARGETS = ("mine", "tables", "manifest")
 
 
 @pytest.fixture(scope="module")
-def foreign(built, tmp_path_factory):
-    """A folder with a workflow and a configuration of its own."""
+def foreign(whole, tmp_path_factory):
+    """A folder with a workflow and a configuration of its own, and part of what could be made there, on one core."""
     folder = tmp_path_factory.mktemp("foreign")
-    project = os.path.relpath(built.folder, folder)
-    (folder / "Snakefile").write_text(FOREIGN.format(project=project), encoding="utf-8")
-    (folder / "config").mkdir()
-    small = yaml.safe_load((built.folder / SMALL[1]).read_text(encoding="utf-8"))
-    text = yaml.safe_dump({"small": small}, sort_keys=False)
-    (folder / "config/config.yaml").write_text(text, encoding="utf-8")
-    return Checkout(folder, built.folder)
-
-
-@pytest.fixture(scope="module")
-def made(foreign):
-    """Part of what could be made there, by a rule of the folder's own and by names of rules."""
-    before = {path for path in foreign.project.rglob("*") if path.is_file()}
-    foreign.made("mine", "tables", "manifest")
-    kept = {path for path in foreign.project.rglob("*") if path.is_file()}
-    # In the project's folder appear compiled modules and kernels, and nothing else.
-    assert {path.suffix for path in kept - before} <= {".pyc", ".nbi", ".nbc"}
+    dump(folder / "config.yaml", {"small": read(whole.folder / SMALL[1])})
+    text = FOREIGN.format(project=os.path.relpath(whole.folder, folder))
+    (folder / "Snakefile").write_text(text, encoding="utf-8")
+    before = {path for path in whole.folder.rglob("*") if path.is_file()}
+    foreign = Checkout(folder)
+    foreign.made(*TARGETS, cores=1)
+    assert {path for path in whole.folder.rglob("*") if path.is_file()} == before
     return foreign
 
 
-def test_the_results_are_those_of_the_project_itself(made, built):
-    files, there = made.files("small"), built.files("small")
-    assert {f"tables/{name}.csv" for name in ("table1", "table3_above", "approaches")} <= set(files)
-    assert {"report.html", "figures/figure3.svg", "estimates/exact/above.csv"} <= set(files)
-    different = [name for name in files if files[name] != there[name]]
-    assert different == ["manifest.json"]
-
-
-def test_the_manifest_names_files_as_the_project_does(made, built):
-    here, there = (
-        json.loads((copy.folder / "results/small/manifest.json").read_text(encoding="utf-8"))
-        for copy in (made, built)
-    )
-    assert here["run"] == there["run"]
-    here, there = here["reproducible"], there["reproducible"]
-    different = {key for key in there if here[key] != there[key]}
+def test_the_results_are_those_of_the_project_itself(foreign, whole):
+    files, there = foreign.files("small"), whole.files("small")
+    assert {"tables/table3_above.csv", "report.html", "estimates/exact/above.csv"} <= set(files)
+    assert [name for name in files if files[name] != there[name]] == ["manifest.json"]
+    mine, theirs = (json.loads(of["manifest.json"])["reproducible"] for of in (files, there))
     # What differs from the paper's case stands in a file of the other project, and here as merged.
+    different = {key for key in theirs if mine[key] != theirs[key]}
     assert different == {"configuration_files", "sources", "sources_sha256"}
-    assert here["configuration_files"] == ["config/config.yaml"]
-    del there["sources"]["small.yaml"]
-    assert here["sources"] == there["sources"]
+    assert theirs["sources"].keys() - mine["sources"].keys() == {"small.yaml"}
 
 
-def test_nothing_is_made_twice_and_the_rule_of_the_other_workflow_stays_its_default(made):
-    assert made.jobs("mine", "tables", "manifest") == {}
-    assert made.jobs() == {}
-    assert made.jobs("--force") == {"mine": 1, "total": 1}
+def test_nothing_is_made_twice_and_the_rule_of_the_other_workflow_stays_its_default(foreign):
+    assert foreign.jobs(*TARGETS) == {}
+    said = foreign.made("--dry-run", "--force")
+    assert "rule mine:" in said
+    assert "Everything is rebuilt" not in said
 
 
-def test_everything_of_the_paper_could_be_made(made, tmp_path):
-    project = os.path.relpath(made.project, tmp_path)
-    (tmp_path / "Snakefile").write_text(PAPER.format(project=project), encoding="utf-8")
-    jobs = Checkout(tmp_path, made.project).jobs("paper_all")
-    wanted = {"all", "article", "check", "claims", "manifest", "notebook", "page"}
-    assert {f"paper_{name}" for name in wanted} <= set(jobs)
-
-
-@pytest.mark.parametrize(
-    ("change", "expected"),
-    [
-        ({"oscillator": {"F_k_N": -1.0}}, "oscillator.F_k_N: -1.0 is not allowed."),
-        ({"levels": [1.0]}, "levels: unknown key"),
-    ],
-)
-def test_a_wrong_value_that_the_other_workflow_sets_is_named(foreign, change, expected):
-    file = foreign.folder / "config/config.yaml"
+def test_a_wrong_value_that_the_other_workflow_sets_is_named(foreign):
+    file = foreign.folder / "config.yaml"
     with restored(file):
-        config = yaml.safe_load(file.read_text(encoding="utf-8"))
-        config["small"] |= change
-        file.write_text(yaml.safe_dump(config, sort_keys=False), encoding="utf-8")
+        dump(file, {"small": read(file)["small"] | {"oscillator": {"F_k_N": -1.0}}})
         said = foreign.refused("--dry-run", "mine")
-    assert f"configuration: {expected}" in said
-
-
-def test_the_workflow_runs_in_another_folder(built, tmp_path):
-    snakefile = ("--snakefile", str(built.folder / "Snakefile"))
-    small = ("--configfile", str(built.folder / SMALL[1]))
-    elsewhere = Checkout(tmp_path, built.folder)
-    elsewhere.made("estimates", *snakefile, *small)
-    assert elsewhere.files("small/estimates") == built.files("small/estimates")
+    assert "configuration: oscillator.F_k_N: -1.0 is not allowed." in said

@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 import pytest
-import yaml
 
 from folders import ROOT
 from processes import run
+from workflow.copies import SNAKEMAKE, copied, dump, read
 
 SUMMARY = "results/studies/quadratic/summary.md"
 UNAVAILABLE = 69  # loopback.sh: SLURM cannot be started here, with the reason on stderr
@@ -30,12 +30,6 @@ def slurm():
     assert answer.returncode == 0, answer.stderr
 
 
-def test_profile_asks_for_no_account_or_partition_of_one_cluster():
-    profile = yaml.safe_load((ROOT / "workflow/profiles/slurm/config.yaml").read_text())
-    assert profile["executor"] == "slurm"
-    assert not {"slurm_account", "slurm_partition"} & profile["default-resources"].keys()
-
-
 def test_a_job_that_takes_more_memory_than_it_asked_for_is_ended(slurm):
     """What makes the runs below a proof that the memory in the profile is enough."""
     hog = "x = b'1' * 600_000_000; import time; time.sleep(20)"
@@ -45,22 +39,20 @@ def test_a_job_that_takes_more_memory_than_it_asked_for_is_ended(slurm):
 
 
 @pytest.mark.slow
-def test_slurm_gives_the_bytes_of_the_local_run(slurm, checkout):
+def test_slurm_gives_the_bytes_of_the_local_run(slurm, checkout, tmp_path):
     """A study of two chunks."""
-    local, cluster = checkout(), checkout()
-    small = (ROOT / "tests/workflow/studies/quadratic.yaml").read_text(encoding="utf-8")
-    for copy in (local, cluster):
-        file = copy.folder / "config/studies/quadratic.yaml"
-        study = yaml.safe_load(file.read_text(encoding="utf-8")) | yaml.safe_load(small)
-        file.write_text(yaml.safe_dump(study | {"chunk_cases": 5}), encoding="utf-8")
-    local.made(SUMMARY)
+    file = checkout.folder / "config/studies/quadratic.yaml"
+    small = read(ROOT / "tests/workflow/studies/quadratic.yaml")
+    dump(file, read(file) | small | {"chunk_cases": 5})
+    cluster = copied(checkout.folder, tmp_path / "cluster")
+    checkout.made(SUMMARY)
     done = loopback(
-        *(sys.executable, "-m", "snakemake", "--profile", "workflow/profiles/slurm", SUMMARY),
+        *(*SNAKEMAKE, "--profile", "workflow/profiles/slurm", SUMMARY),
         *("--slurm-init-seconds-before-status-checks", "2"),
         folder=cluster.folder,
         timeout=550,
-        PYTHONPATH=str(cluster.folder / "src"),
+        PYTHONPATH=str(ROOT / "src"),
         PATH=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}",
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert cluster.files("studies/quadratic") == local.files("studies/quadratic")
+    assert cluster.files("studies/quadratic") == checkout.files("studies/quadratic")
