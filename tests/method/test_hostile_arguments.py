@@ -1,12 +1,16 @@
 """Public functions, each of their arguments, and values that no caller should give: a result or a ValueError.
 
-A call that is accepted must be right: its numbers are finite, and a steady orbit balances its energy.
+A call that is accepted must be right: its numbers are finite, and a steady orbit balances its energy. What it gives can
+be copied and pickled, and is the same afterwards.
 """
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
@@ -19,7 +23,6 @@ from dampbalance import (
     BaseMotion,
     Channel,
     NoSteadyOrbit,
-    Oscillator,
     Record,
     RecordError,
     Regime,
@@ -91,8 +94,6 @@ def signals(**arguments):
 
 # function, arguments that are right, what must hold of a result
 CALLS: list[tuple[Callable[..., object], dict[str, object], Callable[..., object]]] = [
-    (Oscillator, NUMBERS, lambda o: finite((o.omega_n, o.zeta, o.Z_m))),
-    (BaseMotion, {"Y": 0.004, "omega": 22.0}, lambda m: finite(m.period)),
     (steady_orbit, CASE, balanced),
     (
         lambda **of: (steady_orbits(**of), *(of[name] for name in ("k", "Y", "F_k", "c"))),
@@ -168,3 +169,40 @@ def test_a_hostile_value_gives_a_right_result_or_one_clear_error(
             except BaseException as error:  # whatever it is, and a warning is one, too
                 wrong.append(f"{argument}, value {i}: {error!r:.200}")
     assert wrong == []
+
+
+COPIES = (copy.copy, copy.deepcopy, lambda thing: pickle.loads(pickle.dumps(thing)))
+
+
+def of_law():
+    orbit = law_response(PAPER, MOTION, {"c_2": 20.0})
+    orbit.state(0.1)  # what it keeps from then on is copied, too
+    return orbit
+
+
+# what is made, and all that it says
+THINGS = {
+    "orbit": (lambda: ORBIT, lambda o: (o.to_dict(), o.W, o.state(0.1))),
+    "orbits": (lambda: steady_orbits(PAPER, Y=[0.004, 0.008], omega=22.0), lambda o: o.X.tolist()),
+    "orbit of a law": (of_law, lambda o: (o.state(0.2), o.X)),
+    "features": (
+        lambda: replace(FEATURES, integrals={"c_2": np.array([1.5])}),
+        lambda f: (f.to_frame().to_csv(), dict(f.integrals)),
+    ),
+    "record": (lambda: read_records(STEADY)[0], lambda r: (repr(r), r.to_frame().to_csv())),
+    "identified": (
+        lambda: identify(STEADY, PAPER.k),
+        lambda found: (found.document(), found.text(), found.to_frame().to_csv()),
+    ),
+}
+
+
+@pytest.mark.parametrize(("make", "say"), THINGS.values(), ids=THINGS)
+def test_a_copy_says_the_same(make, say):
+    original = make()
+    said = repr(say(original))
+    for copied in COPIES:
+        other = copied(original)
+        assert type(other) is type(original)
+        assert repr(say(other)) == said
+    assert repr(say(original)) == said

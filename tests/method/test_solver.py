@@ -63,9 +63,6 @@ def test_close_levels_lose_the_condition_number_not_its_square():
     estimate = least_squares(rows)
     assert estimate["F_k"] == pytest.approx(1.28, rel=1e-7)
     assert estimate["c"] == pytest.approx(90.0, rel=1e-7)
-    A, W = matrix(rows), rows.W
-    normal = np.linalg.solve(A.T @ A, A.T @ W)
-    assert abs(normal[0] / 1.28 - 1.0) > 1e-5
 
 
 @pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
@@ -75,12 +72,6 @@ def test_exact_orbits_give_back_the_parameters(hertz):
         # Integrals good to 1e-14 times the condition number of a pair, up to 100 off resonance.
         assert estimate["F_k"] == pytest.approx(1.28, rel=1e-10)
         assert estimate["c"] == pytest.approx(90.0, rel=1e-10)
-
-
-def test_two_rows_have_no_scatter():
-    estimate = pair(rows_of([0.004, 0.006], 1.28, 90.0), 0, 1)
-    assert estimate.n == 2
-    assert np.all(np.isnan(estimate.covariance))
 
 
 def test_a_small_row_keeps_its_digits_beside_a_large_one():
@@ -161,20 +152,6 @@ def test_the_covariance_of_three_terms_is_that_of_least_squares(seed, levels):
     assert errors == pytest.approx(np.sqrt(np.diag(expected)), rel=1e-9)
 
 
-def test_weights_scale_rows_by_their_root():
-    rows = drawn_rows(1, (6, 4))
-    weights = np.random.default_rng(2).uniform(0.01, 100.0, (6, 4))
-    root = np.sqrt(weights)
-    scaled = Rows({s: root * g for s, g in rows.terms.items()}, root * rows.W)
-    assert_same_bits(solve(replace(rows, weights=weights)), solve(scaled))
-    assert_same_bits(solve(replace(rows, weights=np.ones((6, 4)))), solve(rows))
-    # a row of no weight is as good as none
-    alone, weights = rows[:, 0], np.array([1.0, 1.0, 0.0, 1.0, 1.0, 1.0])
-    with_it, without = solve(replace(alone, weights=weights)), solve(alone[[0, 1, 3, 4, 5]])
-    assert with_it.values == without.values
-    assert with_it.residual == without.residual
-
-
 @pytest.mark.parametrize("known", [{"c": 90.0}, {"c_2": -3.0, "F_k": 1.28}], ids=str)
 def test_given_values_go_to_the_right_side(known):
     rows = drawn_rows(3, (5, 4))
@@ -196,13 +173,15 @@ def test_given_values_go_to_the_right_side(known):
 
 @given(seed=seeds, levels=st.integers(2, 6))
 def test_each_of_many_cases_is_the_case_alone_bit_for_bit(seed, levels):
-    """Behind the first axis any shape, here (2, 150): more than fit into a block. Among them a case without one row,
+    """Behind the first axis any shape, here (2, 150): more than are taken at once. Among them a case without one row,
     and one whose rows are one and the same."""
     rows = drawn_rows(seed, (levels, 2, 150), THREE[:2])
     rows.terms["F_k"][0, 1, 7] = np.nan
     rows.W[levels - 1, 0, 0] = np.nan
     rows.terms["F_k"][:, 1, 8], rows.terms["c"][:, 1, 8] = 1.0, 2.0
-    found = solve(rows)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dampbalance.solver._CASES_AT_ONCE", 256)
+        found = solve(rows)
     assert found["c"].shape == found.residual.shape == found.n.shape == (2, 150)
     assert found.covariance.shape == (2, 2, 2, 150)
     assert np.isnan(found["F_k"][1, 8])
@@ -211,12 +190,6 @@ def test_each_of_many_cases_is_the_case_alone_bit_for_bit(seed, levels):
         alone = solve(part)
         assert_same_bits(of_case(found, *case), alone)
         assert alone.n == np.count_nonzero(part.usable)
-        A, W = matrix(part)[part.usable], part.W[part.usable]
-        if alone.n < 2 or np.linalg.cond(A / np.linalg.norm(A, axis=0)) > 1e3:
-            continue
-        p = np.linalg.lstsq(A / np.linalg.norm(A, axis=0), W)[0] / np.linalg.norm(A, axis=0)
-        tolerance = 1e-8 * np.linalg.norm(W) / np.linalg.norm(A, axis=0)  # 1e6 · rounding
-        assert np.all(np.abs([alone["F_k"], alone["c"]] - p) <= tolerance)
 
 
 def test_rows_without_a_feature_are_left_out_case_by_case():
@@ -235,23 +208,22 @@ def test_rows_without_a_feature_are_left_out_case_by_case():
         assert np.isnan(numbers).tolist() == [False, False, False, True]  # two rows, three unknowns
 
 
-@pytest.mark.parametrize(
-    "singular",
-    [
-        {"c_2": lambda a, b: 3.0 * a},
-        {"c_2": lambda a, b: 0.3 * a - 1e-5 * b},
-        {"c_2": lambda a, b: a * (1.0 + 1e-14 * np.sign(b))},
-        {"c_2": lambda a, b: 0.0 * a},
-        {"c": lambda a, b: 0.0 * a},
-        {"c": lambda a, b: 7.0 * a},
-        {"F_k": lambda a, b: 0.0 * a},
-    ],
-    ids=["parallel", "in the plane", "but for rounding", "none", "second none", "second", "first"],
-)
-def test_three_columns_of_which_one_says_nothing_are_not_solved(singular):
+SINGULAR = {
+    "parallel": {"c_2": lambda a, b: 3.0 * a},
+    "in the plane": {"c_2": lambda a, b: 0.3 * a - 1e-5 * b},
+    "but for rounding": {"c_2": lambda a, b: a * (1.0 + 1e-14 * np.sign(b))},
+    "none": {"c_2": lambda a, b: 0.0 * a},
+    "second none": {"c": lambda a, b: 0.0 * a},
+    "second": {"c": lambda a, b: 7.0 * a},
+    "first": {"F_k": lambda a, b: 0.0 * a},
+}
+
+
+@pytest.mark.parametrize("name", SINGULAR)
+def test_three_columns_of_which_one_says_nothing_are_not_solved(name):
     rows = drawn_rows(7, 5)
     a, b = rows.terms["F_k"], rows.terms["c"]
-    rows = replace(rows, terms=rows.terms | {s: of(a, b) for s, of in singular.items()})
+    rows = replace(rows, terms=rows.terms | {s: of(a, b) for s, of in SINGULAR[name].items()})
     estimate = solve(rows)
     assert np.isnan([*estimate.values.values(), estimate.residual]).all()
     assert np.isnan(estimate.covariance).all()
@@ -285,13 +257,6 @@ def test_mean_and_deviation_divide_by_n_minus_1():
     assert mean == pytest.approx({"F_k": 2.0, "c": 100.0}, rel=1e-15)
     assert deviation == pytest.approx({"F_k": 1.0, "c": math.sqrt(700.0)}, rel=1e-15)
     assert math.isnan(mean_and_deviation(estimates[:1])[1]["c"])
-
-
-@pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
-def test_contact_stiffness_of_exact_orbits(hertz):
-    """The microstick line is 12.3 µm long out of 9 mm: X + X_s keeps 1e-16 · 750 ≈ 1e-13 of itself."""
-    features = features_at(hertz)
-    assert contact_stiffness(1.28, features.X, features.X_s) == pytest.approx(208000.0, rel=1e-9)
 
 
 def test_a_microstick_line_without_length_takes_no_other_case_along():
@@ -389,6 +354,7 @@ REFUSED = {
     "^F_k, c and d need at least three usable": lambda: least_squares(empty("F_k", "c", "d")),
     r"given \['eta'\] are no terms of these rows": lambda: replace(TWO, given={"eta": 0.1}),
     "no estimates": lambda: mean_and_deviation([]),
+    "without a covariance": lambda: TWO.weighted({"F_k": 5.0, "c": 20.0}),
 }
 
 
@@ -432,24 +398,6 @@ def test_the_weights_are_those_of_the_solution_that_they_give(seed):
     assert rows.weighted(found.values).covariance is None
 
 
-def test_weighted_estimates_scatter_least_and_as_weighted_least_squares_says():
-    rng = np.random.default_rng(8)
-    X = np.linspace(0.004, 0.012, 5)[:, None] * np.ones(4000)
-    exact = rows_of(X, 1.28, 90.0)
-    deviations = 1e-3 * exact.W[:, :1] ** 2 / exact.W[-1, 0]  # of W: grow with its square
-    noisy = replace(exact, W=exact.W + deviations * rng.standard_normal(X.shape))
-    covariance = np.zeros((3, 3, *X.shape))
-    covariance[2, 2] = deviations**2
-    weighted, plain = solve(replace(noisy, covariance=covariance)), solve(noisy)
-    A = matrix(exact[:, 0])
-    bound = np.sqrt(np.diag(np.linalg.inv(A.T @ (A / deviations**2))))
-    # 4,000 draws know a scatter to 1.1 %: four of these
-    for symbol, least, true in zip(("F_k", "c"), bound, (1.28, 90.0), strict=True):
-        assert weighted[symbol].std() == pytest.approx(least, rel=0.045)
-        assert plain[symbol].std() > 1.3 * least
-        assert weighted[symbol].mean() == pytest.approx(true, abs=4.0 * least / math.sqrt(4000))
-
-
 @pytest.mark.parametrize("levels", [2, 3, 6])
 def test_a_weighted_case_is_the_case_alone_whatever_stands_beside_it(levels):
     rows = uncertain((7,), seed=levels, levels=levels)
@@ -474,6 +422,7 @@ def test_given_coefficients_weigh_as_if_they_had_been_found():
     found = solve(known)
     assert list(found.values) == ["F_k"]
     weights = own_weights(rows, float(found["F_k"]), 90.0)
+    assert known.weighted(found.values).weights == pytest.approx(weights, rel=1e-14)
     a, rest = rows.terms["F_k"], rows.W - 90.0 * rows.terms["c"]
     expected = np.sum(weights * a * rest) / np.sum(weights * a**2)
     assert float(found["F_k"]) == pytest.approx(expected, rel=1e-9)

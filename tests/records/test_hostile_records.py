@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from dampbalance import identify
-from dampbalance.commands.main import main
 from dampbalance.model import BaseMotion
 from dampbalance.motion.orbit import steady_orbit
 from dampbalance.records.errors import LARGEST_FILE, LARGEST_VALUE, RecordError, RecordWarning
@@ -30,14 +29,9 @@ UNSHOWABLE = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028-\u202e]")
 KINDS = (".csv", ".parquet", ".mat", "73.mat", ".h5", ".tdms", ".wav", ".uff", ".xlsx")
 
 
-def made(Y):
-    """Times and signals of a steady motion of the paper's oscillator."""
-    orbit = steady_orbit(PAPER, BaseMotion(Y=Y, omega=2.0 * np.pi * 3.5))
-    of = measured_orbit(orbit, rate_hz=500.0, cycles=14, noise=0.005, seed=1)
-    return of.excitation.t, of.excitation.values, of["displacement"].values
-
-
-T, Y, X = made(0.004)
+STEADY = steady_orbit(PAPER, BaseMotion(Y=0.004, omega=7.0 * np.pi))
+MADE = measured_orbit(STEADY, rate_hz=500.0, cycles=14, noise=0.005, seed=1)
+T, Y, X = MADE.excitation.t, MADE.excitation.values, MADE["displacement"].values
 
 
 def write(path, t=T, y=Y, x=X, names=NAMES):
@@ -98,7 +92,7 @@ def test_many_damaged_files_are_read_or_refused(tmp_path, kind):
 def test_names_and_texts_of_any_characters(tmp_path):
     random, marks = np.random.default_rng(62), [*"0123456789.,;-+eE\t\n \"'#aµ\u202e漢\x00\x1b"]
     path = tmp_path / "run.csv"
-    for _ in range(40):
+    for _ in range(15):
         names = ["".join(random.choice(marks, 20)) for _ in range(3)]
         said_of(write(path, names=[f"{i}{name}" for i, name in enumerate(names)]))
         path.write_text("".join(random.choice(marks, 200)), encoding="utf-8")
@@ -234,20 +228,6 @@ def test_groups_are_visited_once(tmp_path):
         file["loop"], file["nowhere"] = h5py.SoftLink("/loop"), h5py.SoftLink("/g/none/at/all")
     assert len(table(path).channels) == 4
     assert not said_of(path)
-
-
-# Through the command line
-
-
-def test_names_of_levels_show_as_they_are(tmp_path, capsys):
-    path, output = write(tmp_path / "run.csv"), tmp_path / "out"
-    other = write(tmp_path / "a.csv", *made(0.009))
-    level = r"""level: "<script>alert(1)< a|b *c* $x_{$ \\n %s {0} é漢🎲 &amp; '" """
-    path.with_name("run.yaml").write_text(level, encoding="utf-8")
-    main(["identify", str(path), str(other), "--stiffness", "2310", "--output", str(output)])
-    texts = [f.read_text(encoding="utf-8") for f in output.iterdir() if f.suffix != ".png"]
-    assert any("漢🎲" in text for text in texts)
-    assert not any(map(UNSHOWABLE.search, [*texts, *capsys.readouterr()]))
 
 
 @pytest.mark.parametrize("suffix", ["csv", "mat"])

@@ -76,6 +76,7 @@ def test_a_folder_holds_the_mappings_of_records_that_stand_elsewhere(tmp_path):
 
 
 TWO = {"force": {"channel": 1}, "displacement": {"channel": 2}}
+STEPPED = TWO | {"frequency": {"channel": 3}, "phase": {"channel": 4}}
 
 
 def force(more=None, **rule):
@@ -103,6 +104,9 @@ MISTAKES = {
     r"delimiter: '::' .*one character": {"delimiter": "::"},
     r"header_lines: -1 is not allowed": {"header_lines": -1},
     r"\(top level\): \[1\] is not allowed": [1],
+    r"table\.phase: missing": {"table": TWO | {"frequency": {"channel": 3}}},
+    r"table\.force\.unit": {"table": STEPPED | {"force": {"channel": 1, "unit": "m"}}},
+    "Not together with table": {"table": STEPPED, "channels": TWO},
 }
 
 

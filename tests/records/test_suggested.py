@@ -64,6 +64,8 @@ READ = [
     (["Table laser 2 [mm]"], {X: 0}),  # the only signal
     (["x [mm]", "Conductance [S]"], {X: 0}),
     (["x [mm]", "wind [kn]"], {X: 0}),
+    (["x [mm]", "oil (bar)", "I/A", "T [K]"], {X: 0}),  # no motion
+    (["base [mm]", "mass minus base (mm)"], {BASE_D: 0, R: 1}),
 ]
 
 
