@@ -11,15 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from dampbalance.balance import (
-    APPROACHES,
-    Rows,
-    approach,
-    fourier,
-    slip_displacement,
-    slip_velocity,
-    takes_phase,
-)
+from dampbalance.balance import APPROACHES, Rows, approach, takes_phase
 from dampbalance.features import of_numbers, stack
 from dampbalance.law.terms import KNOWN_TERMS
 from paper_case import FREQUENCIES_HZ, PAPER, features_at
@@ -30,16 +22,8 @@ HARMONIC = ("X_s", "t_s", "V_s")
 
 def harmonic(X, psi, omega=30.0, Y=0.006, phi=1.3):
     """Features of x = X cos(ωt − φ) that begins to slip at the phase ψ = ωt_s after the reversal at −X."""
-    return of_numbers(
-        omega,
-        "harmonic",
-        Y=Y,
-        X=X,
-        X_s=-X * math.cos(psi),
-        V_s=omega * X * math.sin(psi),
-        t_s=psi / omega,
-        phi=phi,
-    )
+    X_s, V_s = -X * math.cos(psi), omega * X * math.sin(psi)
+    return of_numbers(omega, "harmonic", Y=Y, X=X, X_s=X_s, V_s=V_s, t_s=psi / omega, phi=phi)
 
 
 amplitudes = st.floats(1e-5, 10.0)
@@ -76,7 +60,7 @@ def test_rigid_contact_is_the_limit_of_every_harmonic_approach(X):
 
 def test_a_feature_that_is_missing_or_beyond_a_harmonic_motion_has_no_row():
     features = stack([harmonic(0.01, 0.1), harmonic(0.01, 0.1).replaced(V_s=0.31)])  # ωX = 0.30
-    assert slip_velocity(features, K).usable.tolist() == [True, False]
+    assert APPROACHES["V_s"](features, K).usable.tolist() == [True, False]
     features = harmonic(0.01, 0.1).replaced(X_s=np.nan, V_s=np.nan, t_s=np.nan)
     for name in (*HARMONIC, "fourier"):
         assert not APPROACHES[name](features, K).usable[0]
@@ -100,11 +84,11 @@ def test_fourier_takes_work_and_friction_travel_exactly(osc, hertz):
     however unlike a sinusoid x(t) is."""
     features = features_at(hertz, (0.004, 0.012), osc)
     assert (features.X_3 / features.X_1).max() > (0.04 if osc is SOFT else 0.0)
-    rows = fourier(features, K)
+    rows = APPROACHES["fourier"](features, K)
     # Both are closed forms of the same orbit: a few hundred roundings.
     assert pytest.approx(features.W, rel=1e-13) == rows.W
     assert rows.terms["F_k"] == pytest.approx(features.a, rel=1e-12)
-    np.testing.assert_array_equal(slip_displacement(features, K).terms["F_k"], rows.terms["F_k"])
+    np.testing.assert_array_equal(APPROACHES["X_s"](features, K).terms["F_k"], rows.terms["F_k"])
 
 
 def test_rows_are_indexed_as_arrays():
@@ -143,13 +127,8 @@ def test_fourier_has_the_integrals_that_three_harmonics_tell():
     """∮ h ẋ dt of x = Σ X_n cos(nωt − φ_n): the rectangle rule is exact on a whole period of a trigonometric sum. The
     other terms depend on how the harmonics lie to each other, which the features do not say."""
     omega, Y, amplitudes = 30.0, 0.006, {1: 0.01, 3: 2e-3, 5: 5e-4}
-    features = of_numbers(
-        omega,
-        "three harmonics",
-        Y=Y,
-        phi_fundamental=1.3,
-        **{f"X_{n}": X_n for n, X_n in amplitudes.items()},
-    )
+    X = {f"X_{n}": X_n for n, X_n in amplitudes.items()}
+    features = of_numbers(omega, "three harmonics", Y=Y, phi_fundamental=1.3, **X)
     t = np.arange(64) * 2.0 * np.pi / (64 * omega)
     v = -sum(n * omega * X_n * np.sin(n * omega * t - 1.3) for n, X_n in amplitudes.items())
     w = -omega * Y * np.sin(omega * t)

@@ -135,14 +135,8 @@ CALLS: list[tuple[Callable[..., object], dict[str, object], Callable[..., object
     (
         identify,
         {"records": STEADY, "stiffness": 2310.0, "mapping": None, "kind": "forced", "mass": 2.42}
-        | {
-            "frequency": 3.5,
-            "terms": ["F_k", "c"],
-            "given": {},
-            "groups": {},
-            "laws": False,
-            "skip_cycles": 0,
-        },
+        | {"frequency": 3.5, "terms": ["F_k", "c"], "given": {}, "groups": {}, "laws": False}
+        | {"skip_cycles": 0},
         repr,
     ),
 ]

@@ -12,14 +12,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from dampbalance.balance import (
-    APPROACHES,
-    Approach,
-    Rows,
-    direct,
-    slip_displacement,
-    slip_velocity_as_printed,
-)
+from dampbalance.balance import APPROACHES, Approach, Rows, slip_velocity_as_printed
 from dampbalance.estimates import estimate_columns, estimate_table
 from dampbalance.solver import (
     Estimate,
@@ -57,14 +50,6 @@ def exact_least_squares(rows):
     return [float(line[-1] / line[j]) for j, line in enumerate(normal)]
 
 
-def test_close_levels_lose_the_condition_number_not_its_square():
-    """Levels one part in a million apart: QR keeps 9 digits, where the normal equations of (9) keep none."""
-    rows = rows_of([0.01, 0.010000005, 0.01000001], 1.28, 90.0)
-    estimate = least_squares(rows)
-    assert estimate["F_k"] == pytest.approx(1.28, rel=1e-7)
-    assert estimate["c"] == pytest.approx(90.0, rel=1e-7)
-
-
 @pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 def test_exact_orbits_give_back_the_parameters(hertz):
     rows = APPROACHES["direct"](features_at(hertz), PAPER.k)
@@ -80,7 +65,7 @@ def test_a_small_row_keeps_its_digits_beside_a_large_one():
     The solution is as good as that of the equations divided by their own W: condition number (about 10) times rounding.
     """
     features = features_at(levels=(0.0002, 0.012))
-    estimate = pair(direct(features, PAPER.k), 0, 1)
+    estimate = pair(APPROACHES["direct"](features, PAPER.k), 0, 1)
     assert estimate["c"] == pytest.approx(90.0, rel=1e-13)
     assert estimate["F_k"] == pytest.approx(1.28, rel=1e-13)
 
@@ -144,8 +129,7 @@ def test_the_covariance_of_three_terms_is_that_of_least_squares(seed, levels):
     A, W = rng.standard_normal((levels, 3)), rng.standard_normal(levels)
     assume(np.linalg.cond(A) < 30.0)
     estimate = least_squares(Rows(dict(zip(THREE, A.T, strict=True)), W))
-    p, left, _, _ = np.linalg.lstsq(A, W)
-    assert [estimate[s] for s in THREE] == pytest.approx(p, abs=1e-12 * np.abs(p).max())
+    left = np.linalg.lstsq(A, W)[1]
     expected = left[0] / (levels - 3) * np.linalg.inv(A.T @ A)
     assert estimate.covariance == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
     errors = [estimate.standard_error(s) for s in THREE]
@@ -291,7 +275,7 @@ def test_table_takes_the_mean_phase_or_what_is_given_and_other_row_functions():
     mean = features.replaced(phi=features.phi.mean(), t_s=features.t_s.mean())
     assert by_mean.equals(estimate_table(features, PAPER.k, PAIRS, common=mean))
     line = by_mean[(by_mean["approach"] == "X_s") & (by_mean["phase"] == "common")].iloc[0]
-    assert line["F_k_N"] == pair(slip_displacement(mean, PAPER.k), 0, 1)["F_k"]
+    assert line["F_k_N"] == pair(APPROACHES["X_s"](mean, PAPER.k), 0, 1)["F_k"]
     slipped = Approach("slipped", slip_velocity_as_printed, takes_phase=True)
     table = estimate_table(features, PAPER.k, PAIRS, common_approaches=[slipped])
     assert set(table.loc[table["phase"] == "common", "approach"]) == {"slipped"}

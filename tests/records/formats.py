@@ -56,10 +56,9 @@ def write_columns(path, columns, matlab_73=False):
             write_uff(path, [uff_set(t, *signal) for signal in signals])
         case ".tdms":
             with nptdms.TdmsWriter(str(path)) as file:
-                half = len(next(iter(columns.values()))) // 2  # a logger writes piece by piece
-                for part in (slice(None, half), slice(half, None)):
-                    channels = [nptdms.ChannelObject("g", n, v[part]) for n, v in columns.items()]
-                    file.write_segment(channels)
+                file.write_segment(
+                    [nptdms.ChannelObject("g", name, v) for name, v in columns.items()]
+                )
         case ".wav":
             (_, t), *signals = columns.items()
             samples = np.stack([values for _, values in signals], axis=1)

@@ -230,16 +230,13 @@ CORPUS = {
         for of in ("columns", "records", "split")
     },
 }
-SPEED = {"velocity": 1e-3 * Y, "force": A}
+SPEED, TURNING = {"velocity": 1e-3 * Y, "force": A}, {"velocity": Y * math.pi / 30}
 OTHERS = {
     "decimal commas, a code page of Windows": (_german, BOTH | {"base_displacement": 1e-6 * Y}),
     "an oscilloscope with a unit": (lambda at: oscilloscope(at, "g"), {"acceleration": G * A}),
     "an interval in ms": (lambda at: servo(at, "Speed,Force", "mm/s,N"), SPEED),
     "a rate": (lambda at: servo(at, "Speed,Force", "mm/s,N", "Sampling rate [kHz],20"), SPEED),
-    "r/min": (
-        lambda at: servo(at, "Motor speed,Torque", "r/min,%"),
-        {"velocity": Y * math.pi / 30},
-    ),
+    "r/min": (lambda at: servo(at, "Motor speed,Torque", "r/min,%"), TURNING),
     "x of the mass, y of the base": (lambda at: write(at, ["t [s],x [mm],y [mm]"], [T, A, Y]), TWO),
 }
 
@@ -375,7 +372,6 @@ NO_RECORDS = {
     '{"time_s": [0, 1, 2], "y_mm": [0, "a", 2], "x_mm": [1, 2, 0]}': "holds texts",
     '{"time_s": [0, 1, 2], "y_mm": [0, null, 2], "x_mm": [1, 2, 0]}': r"\(NaN\)",
     '{"time_s": [0, 1, 2, 3], "y_mm": [0, 1, 2], "x_mm": [1, 2, 0, 1]}': "'y' has 3, ",
-    "{}": "finds no response",
     "[1e400, 2]": "finds no response",
     '{"time_s": {"0": 0.0, "1": 0.1}, "x_m": {"0": 1.0}}': "finds no response",
 }

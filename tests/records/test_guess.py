@@ -113,9 +113,7 @@ DECAYS = {
     "noise in mm": ({"ch1 [mm]": NOISE[0], "ch2 [mm]": 1e3 * X}, {"displacement": X}),
     "thermocouples": ({"T1": 0.1 * T - 0.001 * T**2, "T2 (°C)": T, "x (m)": X}, {"displacement": X}),
     "a hammer in volts": ({"Hammer (V)": np.where(T < 0.02, 40.0, 0.0), "acc (m/s²)": A}, {"acceleration": A}),
-    "a number in the name": ({"velocity_5 (m/s)": V}, {"velocity": V}),
     "x and v without names": ({"s1 [mm]": 1e3 * X, "s2 [m/s]": V}, {"displacement": X, "velocity": V}),
-    "x and y of a bob": ({"x (m)": np.sin(X), "y (m)": -np.cos(X)}, {"displacement": np.sin(X)}),
     "axes of a gyroscope": ({"gx (rad/s)": 0.01 * NOISE[0], "gz (rad/s)": V}, {"velocity": V}),
     "a marker": ({"X (mm)": 812.0 + NOISE[0], "Y (mm)": 1e3 * X, "Z (mm)": NOISE[1]}, {"displacement": X}),
     "an angle and its rate": ({"theta": X, "omega": V}, {"displacement": X, "velocity": V}),
@@ -171,7 +169,6 @@ ASKED = {
         "in which units are 'theta' and 'omega'",
     ),
     "one in dB": ({"f": HZ, "dB": 20.0 * np.log10(abs(H)), "deg": np.degrees(np.angle(H))}, "frequency response"),
-    "one in a unit": ({"f (Hz)": HZ, "Accelerance (m/s²/N)": abs(H), "p (rad)": np.angle(H)}, "frequency response"),
     "a motion between two axes": (
         {"time_s": T, "ax (m/s²)": ACROSS[0], "ay (m/s²)": 0.05 * NOISE[0], "az (m/s²)": ACROSS[1]},
         f"scale: {1.0 / np.cos(0.5):.3g}",

@@ -217,9 +217,7 @@ def test_the_simulated_signals_are_those_of_the_exact_orbit():
     assert [c.quantity for c in made.responses] == [*truth]
 
 
-@pytest.mark.parametrize(
-    ("start", "rate_hz"), [(0.1, 1000.0), (0.02, 100.0), (-0.2, 5000.0), (3.0, 500.0)]
-)
+@pytest.mark.parametrize(("start", "rate_hz"), [(0.1, 1000.0), (0.02, 100.0), (-0.2, 5000.0)])
 def test_times_are_the_decimal_numbers_that_they_stand_for(start, rate_hz):
     """0.102 at 1 kHz from 0.1 s on, and not 0.10200000000000001: Python writes the shortest number of each float."""
     at = [round(start * 10_000) + round(10_000 / rate_hz) * i for i in range(3000)]
