@@ -76,16 +76,12 @@ def test_intervals_hold_the_truth_as_often_as_they_say(pairs, departure, stated)
     assert (count >= binom.ppf(1e-4, runs, 0.92 if pairs == 5 else 0.95)).all()
 
 
-@pytest.mark.parametrize("departure", [{"F_S": 0.5}, {"v_0": 0.02}, {"c_2": 6.0}])
-def test_a_departure_that_is_there_has_the_weight(departure):
-    names = ("F_S", "exponential") if "F_S" in departure else departure
-    found = [fit_speeds(speeds(seed, **departure)) for seed in range(6)]
-    # noise may make one of ten curves look like another
-    assert np.mean([sum(map(one.weight, names)) for one in found]) > 0.8
-
-
-def test_what_is_not_there_has_little_weight():
-    assert np.mean([fit_speeds(speeds(seed)).weight("") for seed in range(10)]) > 0.7
+@pytest.mark.parametrize("departure", [{}, {"F_S": 0.5}, {"v_0": 0.02}, {"c_2": 6.0}])
+def test_a_departure_that_is_there_has_the_weight_and_where_none_is_none_has(departure):
+    names = ("F_S", "exponential") if "F_S" in departure else departure or ("",)
+    found = [fit_speeds(speeds(seed, **departure)) for seed in range(10)]
+    # noise may make one of ten curves look like another, and three of ten straight lines like a curve
+    assert np.mean([sum(map(one.weight, names)) for one in found]) > (0.8 if departure else 0.7)
 
 
 @pytest.mark.parametrize("departure", [{}, {"F_S": 0.5, "v_S": 0.1}])

@@ -106,10 +106,6 @@ def test_what_the_loops_hold_is_told_from_a_slider(force, name, truth):
     assert off(found.fit, **truth) < FAR
 
 
-def test_a_dead_band_is_named_nowhere_else():
-    assert not any("g" in weigh(Design([loop(seed=s)])).fit.parameters for s in range(3))
-
-
 def test_a_force_of_the_other_sign_is_turned():
     own, other = loop(), loop(sign=-1.0)
     assert (own.flipped, other.flipped) == (False, True)

@@ -1,6 +1,7 @@
 """Departures of records that are read right: each is found with its size, and the oscillator behind it.
 
-The channels are changed by formulas, the motions made by an independent integrator (trials/blind/other_motion.py).
+The channels are changed by formulas, the motions made by independent integrators (trials/blind/other_motion.py and,
+where a contact yields gradually, gradual.py).
 """
 
 from __future__ import annotations
@@ -11,16 +12,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from blind.decays import Decay
+from blind.gradual import CONTACTS, ring_down_on, steady_on
 from blind.other_motion import STEPS, Departure, steady
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.fit.multistart import Trail
 from dampbalance.fit.nuisances import FALLING, FOLDED, NUISANCES, in_other_frame
 from dampbalance.fit.steady_search import fit_records, refit
 from dampbalance.fit.waveforms import HarmonicProblem
-from dampbalance.identification.causes import doubts_of
+from dampbalance.identification.causes import GRADUAL, doubts_of
 from dampbalance.identification.oscillator import common_fit
 from dampbalance.law.law import Law
-from identification.gradual_contacts import contact_of, harmonics_on
+from dampbalance.model import Parameters
+from dampbalance.motion.law_decays import ADDED, DECAY_UNKNOWNS, law_decay
+from dampbalance.motion.law_steady import Further, steady_response
 from paper_case import LEVELS, PAPER, orbits_at
 from signals.harmonics import lines_of
 
@@ -70,6 +75,21 @@ def mild_steps():
         yield from lines(seed=i, osc=osc, levels=(Y,))
 
 
+def contact_of(osc, part):
+    """A Jenkins element and, in parallel, sliders of twice its stiffness, which have a part of the friction."""
+    jenkins = np.array([((1.0 - part) * osc.K_z, (1.0 - part) * osc.F_k, 0.0)])
+    if not part:
+        return jenkins
+    return np.vstack([jenkins, CONTACTS["Iwan"](2.0 * part * osc.K_z, part * osc.F_k)])
+
+
+def harmonics_on(contact, osc, Y, count):
+    """x_n, n = 1, 3 …, of the steady motion, by its independent integration."""
+    motion = steady_on(contact, osc.m, osc.c, osc.k, Y, OMEGA)
+    phases = np.arange(4096) * (2.0 * math.pi / 4096)
+    return 2.0 * np.fft.rfft(motion(phases)[0])[1 : 2 * count : 2] / 4096
+
+
 def gradual(part):
     """Lines of a contact of which a part yields gradually, by an integrator of sliders."""
     contact = contact_of(SOFT, part)
@@ -98,10 +118,16 @@ def test_each_is_named_and_fitted_and_the_oscillator_behind_it_found(name):
     size, osc, made = CASES[name]
     whole = common_fit(list(made()), osc.k, frames=True)
     assert whole.clear == (name,)
-    for symbol in ("F_k", "c"):
+    # after a reversal a contact that yields gradually is stiffer by that part
+    stiffer = 1.0 + size if name == "gradual" else 1.0
+    truth = {"F_k": osc.F_k, "c": osc.c, "K_z": stiffer * osc.K_z}
+    for symbol, true in truth.items():
         low, high = whole.answer.intervals[symbol]
-        assert low < getattr(osc, symbol) < high, symbol
-    assert (doubts_of(whole.selection, name).get("K_z", 0.0) > 0.1) == (name == "gradual")
+        assert low < true < high, symbol
+    # F_k is in proportion to what no gain of the drive alone tells, K_z what no fundamental does
+    doubts = doubts_of(whole.selection, name)
+    assert [*doubts] == {"gain": ["F_k"], "gradual": ["K_z"]}.get(name, [])
+    assert all(off > 0.5 * size for off in doubts.values())
     if size is None:
         return
     fit = whole.selection.plain
@@ -112,10 +138,8 @@ def test_each_is_named_and_fitted_and_the_oscillator_behind_it_found(name):
     assert freed.adequate
     assert freed.freedom == fit.freedom - 1
     assert abs(freed.value(name) - size) < 4.0 * freed.error(name) < 0.8 * abs(size)
-    for symbol in ("F_k", "c", "m", "rho"):
-        # after a reversal a contact that yields gradually is stiffer by that part
-        K_z = osc.K_z * (1.0 + size * (name == "gradual"))
-        true = K_z**-0.5 if symbol == "rho" else getattr(osc, symbol)
+    truth |= {"m": osc.m, "rho": truth.pop("K_z") ** -0.5}
+    for symbol, true in truth.items():
         # in a gain's record the amplitude of the base is the fit's own: everything follows it, by its error
         error = math.hypot(freed.error(symbol), 2.0 * true * freed.error("gain"))
         assert abs(freed.value(symbol) - true) < 4.0 * error, symbol
@@ -201,3 +225,35 @@ def test_the_harmonics_of_the_base_read_too_large_are_so_in_the_model():
     # the integrator's error is a tenth of the noise stated
     assert chi_square(point) < 0.1
     assert chi_square(point.moved(gain=0.0)) > 1e3
+
+
+@pytest.mark.parametrize(("osc", "part"), [(PAPER, 0.1), (SOFT, 1.0)], ids=["stiff", "soft"])
+def test_the_steady_motion_on_a_contact_that_yields_gradually_is_that_of_an_integrator(osc, part):
+    Y = LEVELS[2]
+    expected, at_once = (harmonics_on(contact_of(osc, p), osc, Y, 6) for p in (part, 0.0))
+    motion = BaseMotion(Y, OMEGA)
+    found = steady_response(osc, motion, {}, further=Further(gradual=part)).harmonics(6)
+    # 16 sliders stand for the continuum, and 2048 steps of a period locate their kinks
+    assert np.abs(found - expected).max() < 0.03 * np.abs(expected - at_once).max()
+
+
+def ring_down(contact, osc, x, lasts):
+    """Samples of a release from x, 500 a second, by independent integration."""
+    truth = Decay(0, osc.m, osc.c, osc.k, osc.K_z, osc.F_k, *[()] * 4, 0.0, (), 0.0, 0.0)
+    return ring_down_on(contact, truth, x, 0.0, contact[:, 1].copy(), 0.002, lasts)[0]
+
+
+def test_a_gradual_part_of_the_contact_moves_a_decay_as_an_integrator_finds():
+    osc = Oscillator(m=2.42, c=3.0, k=2310.0, K_z=20_000.0, F_k=1.28)
+    # as long as it slips in each half cycle: in the last, of part of the corner, the direction is only roughly right
+    x, part = 0.02, 1e-3
+    at_once, gradual = (ring_down(contact_of(osc, p), osc, x, 1.2) for p in (0.0, part))
+    par = Parameters(osc.m, osc.c, osc.k, osc.K_z, osc.F_k, 0.0, 0.0)
+    t, none = 0.002 * np.arange(at_once.size), np.empty((0, 5))
+    state = (x, 0.0, 2.0)
+    count = len(DECAY_UNKNOWNS)
+    whole = law_decay(t, 0, *state, par, np.zeros(len(ADDED)), count, 0.0, 1.0, none)
+    assert whole[:, 0] == pytest.approx(at_once, abs=1e-5 * x)
+    expected = (gradual - at_once) / part
+    found = whole[:, 1 + DECAY_UNKNOWNS.index(GRADUAL)]
+    assert found == pytest.approx(expected, abs=0.03 * np.abs(expected).max())

@@ -136,14 +136,6 @@ def test_a_stated_error_counts_and_grows_where_lines_scatter_more():
     assert widths[2] > 3.0 * widths[1]
 
 
-def test_given_coefficients_and_stiffness_are_kept():
-    table = lines(corners, 0.003)
-    fit = fit_contact(table, contact="gradual", given={"c": C}, stiffness=K, mass=M)
-    assert [fit.value("c"), fit.value("k"), fit.value("m"), fit.error("c")] == [C, K, M, 0.0]
-    law = fit.law(np.array([5e-5]), 0.0)[0].real
-    assert law == pytest.approx([K + corners(5e-5).real], rel=0.005)
-
-
 TABLE = lines(corners)
 AT_ONE = StiffnessLines(np.full(5, 200.0), TABLE.X[:5], TABLE.Z[:5], TABLE.level[:5], ("a",))
 TWO = replace(TABLE, level=TABLE.level % 2, names=("a", "b"))

@@ -11,7 +11,6 @@ import pytest
 from analytic.law_response import law_orbit
 from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
 from dampbalance.identification.answer import USABLE
-from dampbalance.identification.document import table as rows_of_table
 from dampbalance.identification.law_comparison import compare_laws
 from dampbalance.law.law import Law
 from dampbalance.signals.mean_harmonics import read_features
@@ -24,7 +23,7 @@ FEW = [(hz, Y) for hz, Y in AT if Y != 0.006]  # a search among laws takes as lo
 BARE = replace(PAPER, c=0.0)
 LAWS = {
     "c_r": (BARE, {"c_r": 30.0}),
-    "c_2": (BARE, {"c_2": 300.0}),
+    "c_3": (BARE, {"c_3": 3000.0}),
     "eta": (BARE, {"eta": 0.3}),
     "c and c_2": (replace(PAPER, c=15.0), {"c_2": 150.0}),
 }
@@ -65,14 +64,6 @@ def test_the_coefficients_of_any_law_are_found(name):
     assert direct.misfit < 5.0  # χ² per degree of freedom, of 3 or 4
 
 
-def test_exact_records_give_the_coefficients_to_what_the_harmonics_hold():
-    records = readings(BARE, {"c_3": 3000.0}, at=FEW, noise=0.0, rate_hz=2000.0, cycles=12.0)
-    found = identified(records, law=Law(("F_k", "c_3"))).estimates["direct"]
-    # the waveforms hold to 3e-6 of the amplitude, of whose work friction takes less than a hundredth at the top
-    assert found.coefficients["F_k"].value == pytest.approx(BARE.F_k, rel=3e-3)
-    assert found.coefficients["c_3"].value == pytest.approx(3000.0, rel=3e-4)
-
-
 def test_cycles_that_repeat_to_the_last_bit_support_the_law_that_they_have():
     """Whole numbers of samples in a cycle without noise: the scatter is zero, the harmonics hold the work to 1e-9."""
     osc = Oscillator(m=1.0, c=5.0, k=1000.0, K_z=50000.0, F_k=1.0)
@@ -96,8 +87,6 @@ def test_each_load_has_its_friction_and_all_have_one_damper():
     for key, value in (("F_k[light]", 1.28), ("F_k[heavy]", 2.0), ("c", 90.0)):
         error = direct.standard_errors[key]
         assert abs(direct.values[key] - value) < 4.0 * error < 0.04 * value
-    row = next(row for row in rows_of_table(found) if row["approach"] == "direct")
-    assert row["F_k_heavy_N"] == direct.coefficients["F_k[heavy]"].value
     document = found.document()
     rows = document["approaches"]["direct"]["rows"]
     assert rows["a_light_m"][1] == 0.0 < rows["a_heavy_m"][1]

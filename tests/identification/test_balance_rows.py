@@ -84,30 +84,18 @@ def test_exact_rows_have_no_errors_and_rows_alike_no_solution(case):
 
 
 @pytest.fixture(scope="module")
-def readings():
-    return read(orbits_at(3.5, (0.004, 0.008, 0.012)))
+def common():
+    """Readings, their common fit, the readings with it, and features of 2,000 means of cycles drawn with replacement,
+    (3, 2000)."""
+    readings, random = read(orbits_at(3.5, (0.004, 0.008, 0.012))), np.random.default_rng(1)
+    whole = common_fit([reading.lines for reading in readings], PAPER.k)
+    shared = with_common_fit(readings, whole)
+    drawn = features_of(shared, [reading.resampled(2000, random) for reading in shared])
+    return readings, whole, shared, drawn
 
 
-@pytest.fixture(scope="module")
-def whole(readings):
-    return common_fit([reading.lines for reading in readings], PAPER.k)
-
-
-@pytest.fixture(scope="module")
-def shared(readings, whole):
-    return with_common_fit(readings, whole)
-
-
-@pytest.fixture(scope="module")
-def drawn(shared):
-    """Features of 2,000 means of cycles drawn with replacement, (3, 2000)."""
-    random = np.random.default_rng(1)
-    return features_of(shared, [reading.resampled(2000, random) for reading in shared])
-
-
-def test_there_is_one_line_whatever_is_left_out_and_its_features_scatter_as_cycles_do(
-    shared, drawn
-):
+def test_there_is_one_line_whatever_is_left_out_and_its_features_scatter_as_cycles_do(common):
+    _, _, shared, drawn = common
     left = features_left_out(shared)
     assert len(left) == 3
     for f in (features_of(shared, [reading.mean for reading in shared]), *left):
@@ -126,7 +114,8 @@ def test_there_is_one_line_whatever_is_left_out_and_its_features_scatter_as_cycl
         assert np.corrcoef(getattr(drawn, name)) == pytest.approx(correlation, abs=0.1)
 
 
-def test_the_length_of_the_line_and_its_errors(whole, drawn):
+def test_the_length_of_the_line_and_its_errors(common):
+    _, whole, _, drawn = common
     line = microstick_of(whole.fit)
     length, error = line["length_m"], line["standard_error_m"]
     assert line["resolved"]
@@ -138,8 +127,8 @@ def test_the_length_of_the_line_and_its_errors(whole, drawn):
     assert line["upper_bound_m"] - length == pytest.approx(1.96 * error, rel=0.05)
 
 
-def test_without_an_oscillator_there_is_no_line(readings):
-    unfitted = with_common_fit(readings, CommonFit(None))
+def test_without_an_oscillator_there_is_no_line(common):
+    unfitted = with_common_fit(common[0], CommonFit(None))
     line = microstick_of(None)
     assert not line.pop("resolved")
     assert all(map(math.isnan, line.values()))

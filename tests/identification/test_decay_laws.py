@@ -22,10 +22,6 @@ MOVES = 1.4
 """Time for which `SOUND` moves after its release, s."""
 
 
-def found_in(decay, **options):
-    return identify_decay_records([record(decay, 1)[0]], decay.k, **options)
-
-
 def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
     channel = record(SOUND)[0].responses[0]
     data = {"time_s": channel.t, "displacement_m": channel.values}
@@ -36,22 +32,6 @@ def test_sound_decays_raise_no_doubt_and_keep_friction_and_viscous_damping():
     for symbol, (value, error) in result.laws.laws[0].coefficients.items():
         assert value == pytest.approx(result.basis.fit.value(symbol), abs=1e-2 * error)
         assert error == pytest.approx(result.basis.fit.error(symbol), rel=0.1)
-
-
-def test_a_damping_that_grows_with_the_speed_is_the_law_chosen():
-    decay = departing(SOUND, "quadratic", 2, 0.4)
-    laws = found_in(decay, laws=True).laws
-    assert laws.chosen == ("F_k", "c", "c_2")
-    truth = {"F_k": decay.F_k, "c": decay.c, "c_2": decay.departure.quadratic}
-    for name, (value, error) in laws.laws[0].coefficients.items():
-        assert abs(value - truth[name]) < FAR * error
-
-
-def test_decays_without_friction_support_a_law_without():
-    decay = replace(SOUND, F_k=1e-9, K_z=1.0, lasts=(6.0,))
-    result = found_in(decay, laws=True)
-    assert "F_k" not in result.laws.chosen
-    assert result.laws.laws[0].coefficients["c"][0] == pytest.approx(decay.c, rel=0.02)
 
 
 def faded():
@@ -85,6 +65,18 @@ def coupled():
 
 
 QUADRATIC, CUBIC = departing(SOUND, "quadratic", 2, 0.4), departing(SOUND, "cubic", 3, 0.1)
+SMOOTH = replace(SOUND, F_k=1e-9, K_z=1.0, lasts=(6.0,))
+
+
+@pytest.mark.parametrize(("decay", "chosen"), [(QUADRATIC, ("F_k", "c", "c_2")), (SMOOTH, ("c",))])
+def test_the_law_that_a_decay_has_is_chosen(decay, chosen):
+    laws = identify_decay_records([record(decay, 1)[0]], decay.k, laws=True).laws
+    assert laws.chosen == chosen
+    truth = {"F_k": decay.F_k, "c": decay.c, "c_2": decay.departure.quadratic}
+    for name, (value, error) in laws.laws[0].coefficients.items():
+        assert abs(value - truth[name]) < FAR * error < 0.7 * truth[name]
+
+
 MADE = {
     "c_2": (lambda: [record(QUADRATIC, 1)[0]], QUADRATIC.departure.quadratic),
     "k_3": (lambda: [record(CUBIC, 1)[0]], CUBIC.departure.cubic),

@@ -70,7 +70,9 @@ def test_swings_of_an_exact_motion_are_those_of_the_closed_form(order):
     rate, halves = 200 / (2.0 * HALF), 10
     t = np.arange(0.0, halves * HALF, 1.0 / rate)
     motion, turns = friction_decay(t, halves)
-    found = swings_of(Signal(QUANTITIES[order], order, t, motion[order], 1e-9), 2.0 * HALF, 0.0)
+    # an offset is none of the motion
+    values = motion[order] + 0.2 * np.abs(motion[order]).max()
+    found = swings_of(Signal(QUANTITIES[order], order, t, values, 1e-9), 2.0 * HALF, 0.0)
     n = found.D.size
     assert n >= 6
     first = round(found.turns[0, 0] / HALF)
@@ -149,20 +151,6 @@ def test_turns_are_within_their_standard_errors(order):
         scores.append(((turns[:, 1] - x[here]) / errors)[:4])
     # 40 records with four turns each
     assert np.sqrt(np.mean(np.square(scores))) == pytest.approx(1.0, abs=0.25)
-
-
-@pytest.mark.parametrize("order", [0, 1, 2])
-def test_an_offset_and_a_drift_do_not_move_the_balance(order):
-    motion, (start,) = clean(PLUCKED)
-    t = np.arange(motion.shape[1]) / PLUCKED.rate_hz
-    drift = np.zeros_like(motion)
-    drift[order] = np.abs(motion[order]).max() * (0.2 + 0.02 * t * (order == 0))
-    one, other = (
-        balanced(rows_at(PLUCKED, noisy(PLUCKED, moved, order, 1, start)))
-        for moved in (motion, motion + drift)
-    )
-    off = np.array([other.values[s] - one.values[s] for s in ("F_k", "c")])
-    assert (np.abs(off) < 0.5 * np.sqrt(np.diag(one.covariance))).all()
 
 
 def test_samples_that_show_no_swing_clearly_give_no_row():

@@ -11,7 +11,7 @@ import pytest
 from dampbalance.findings.finding import UNBOUNDED, Finding
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.answer import doubted
-from dampbalance.identification.oscillator import CommonFit, common_fit, with_common_fit
+from dampbalance.identification.oscillator import CommonFit, common_fit
 from dampbalance.solver import NORMAL_95
 from fit.exact import off
 from identification.levels import SYMBOLS, identified, read
@@ -87,16 +87,6 @@ def test_a_delay_is_said_where_it_explains_more_than_noise_would(mass):
     assert found.clear == ()
     value, error = found.delay
     assert abs(value) < 4.0 * error
-
-
-def test_readings_share_the_waveforms_that_hold_and_have_none_where_none_do():
-    readings = read(orbits_at(NEAR, TWO_LEVELS))
-    whole = common_fit([reading.lines for reading in readings], PAPER.k)
-    shared = with_common_fit(readings, whole)
-    assert [reading.waveform for reading in shared] == list(whole.fit.waveforms)
-    assert all(reading.slips for reading in shared)
-    without = with_common_fit(readings, replace(whole, selection=None))
-    assert [(one.waveform, one.slips) for one in without] == [(None, None)] * 2
 
 
 def sound(seed, cycles=20.0):
