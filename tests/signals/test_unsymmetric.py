@@ -30,11 +30,14 @@ def record(name: str, noise=0.0, seed=0, step=0.0, cycles=10.2) -> Record:
     """Base and mass with noise (rms over that of each signal), rounded to steps of a converter, m."""
     of = steady(MOTIONS[name])
     t = 0.013 + np.arange(int(cycles * 250.0 * 2.0 * math.pi / of.of.omega)) / 250.0
-    rng = np.random.default_rng(seed)
-    channels = []
-    for quantity, clean in (("base_displacement", of.of.y(t)), ("displacement", of.x(t))):
-        values = clean + noise * clean.std() * rng.standard_normal(t.size)
-        channels.append(Channel(quantity, t, step * np.round(values / step) if step else values))
+    clean = np.array([of.of.y(t), of.x(t)])
+    own = (
+        noise
+        * clean.std(axis=1)[:, None]
+        * np.random.default_rng(seed).standard_normal(clean.shape)
+    )
+    y, x = step * np.round((clean + own) / step) if step else clean + own
+    channels = [Channel("base_displacement", t, y), Channel("displacement", t, x)]
     return Record.of(str(seed), channels)
 
 
