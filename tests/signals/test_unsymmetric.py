@@ -10,7 +10,6 @@ import math
 import numpy as np
 import pytest
 
-from dampbalance.findings.finding import within
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
 from dampbalance.signals.conditioning import condition
@@ -93,20 +92,3 @@ def test_a_motion_that_stops_is_neither_clipped_nor_dropped_out(name, step):
     kept = condition(record(name, 1e-3, 3, step), 1191.0)
     assert kept.cycles == 10
     assert not {"clipped", "spikes"} & {one.code for one in kept.warnings}
-
-
-def held(x):
-    fastest = 1000 + int(np.argmax(np.abs(np.diff(x[1000:1250]))))
-    return np.where(np.abs(np.arange(x.size) - fastest) <= 4, x[fastest - 4], x)
-
-
-@pytest.mark.parametrize(
-    ("spoil", "code"), [(lambda x: np.minimum(x, 0.6 * x.max()), "clipped"), (held, "drop-out")]
-)
-def test_a_stopping_motion_may_be_clipped_or_dropped_out(spoil, code):
-    y, x = record("both").channels.values()
-    spoiled = Record.of("spoiled", [y, Channel(x.quantity, x.t, spoil(x.values))])
-    warnings = condition(spoiled, MOTIONS["both"].k).warnings
-    inner = [why for one in warnings for why in within(one.numbers.values())]
-    (found,) = (one for one in (*warnings, *inner) if one.code == code)
-    assert found.numbers.get("samples", 9) == 9
