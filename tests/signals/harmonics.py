@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from dampbalance import Orbit
-from dampbalance.fit.steady_search import fit_records
-from dampbalance.signals.mean_harmonics import Reading
 from dampbalance.signals.record_harmonics import RecordHarmonics
 
 
@@ -34,12 +30,4 @@ def lines_of(
         Y = Y + error * rng.standard_normal()
     return RecordHarmonics(
         omega, Y, error, n, x * np.exp(-1j * n * turned), np.full(count, error), rows
-    )
-
-
-def with_own_fit(reading: Reading) -> Reading:
-    """The reading with the waveform that is fitted to its record alone; without one where none fits."""
-    fit = fit_records([reading.lines], reading.steady.k)
-    return (
-        reading if fit is None or not fit.adequate else replace(reading, waveform=fit.waveforms[0])
     )

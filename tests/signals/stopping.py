@@ -53,7 +53,7 @@ class Stopping:
 @dataclass(frozen=True)
 class Steady:
     """One period of the steady motion. x(t) at any times; integrals over the period: travel ∮|ẋ| dt, b = ∮ẋ² dt,
-    relative = ∮ẏẋ dt, W = ∮kyẋ dt, rubbed = ∮F|ẋ| dt; stopped : part of the period at rest; range : x_max − x_min."""
+    relative = ∮ẏẋ dt, W = ∮kyẋ dt; stopped : part of the period at rest; range : x_max − x_min."""
 
     of: Stopping
     pieces: tuple
@@ -61,7 +61,6 @@ class Steady:
     b: float
     relative: float
     W: float
-    rubbed: float
     stopped: float
     range: float
 
@@ -70,12 +69,8 @@ class Steady:
         period = 2.0 * math.pi / self.of.omega
         start = self.pieces[0][0]
         local = start + (np.asarray(t, dtype=float) - start) % period
-        out = np.empty_like(local)
-        for begin, end, motion in self.pieces:
-            inside = (local >= begin) & (local <= end)
-            if inside.any():
-                out[inside] = motion(local[inside])[0] if callable(motion) else motion
-        return out
+        inside = [(local >= begin) & (local <= end) for begin, end, _ in self.pieces]
+        return np.piecewise(local, inside, [motion for _, _, motion in self.pieces])
 
 
 @cache  # tests draw the noise of many records of one motion
@@ -93,9 +88,9 @@ def steady(of: Stopping) -> Steady:
     travel, b, relative, W, rubbed, stopped = state[2:] - before[2:]
     lost = rubbed + of.c_r * (b - relative)
     assert abs(lost / W - 1.0) < 1e-7, f"W = {W} J, lost = {lost} J"
-    ends = [np.ravel(x(np.linspace(a, e, 400))[0]) if callable(x) else [x] for a, e, x in pieces]
-    reach = float(np.ptp(np.concatenate(ends)))
-    return Steady(of, pieces, travel, b, relative, W, rubbed, stopped / period, reach)
+    # turning points are ends of pieces
+    ends = [pieces[0][2](pieces[0][0]), *(float(motion(end)) for _, end, motion in pieces)]
+    return Steady(of, pieces, travel, b, relative, W, stopped / period, max(ends) - min(ends))
 
 
 def _period(of: Stopping, state, sign: float, period: float):
@@ -106,7 +101,7 @@ def _period(of: Stopping, state, sign: float, period: float):
         if sign == 0.0:
             t, sign = _released(of, state[0], t, period)
             state = state + np.array([0.0] * 7 + [t - begin])
-            pieces.append((begin, t, state[0]))
+            pieces.append((begin, t, lambda at, x=state[0]: np.full_like(at, x)))
             continue
 
         def rate(t, s, sign=sign):
@@ -122,7 +117,7 @@ def _period(of: Stopping, state, sign: float, period: float):
         more = {"events": still, "dense_output": True, "max_step": period / 50}
         run = solve_ivp(rate, (t, period), state, **more, **_TIGHT)
         t, state = float(run.t[-1]), run.y[:, -1].copy()
-        pieces.append((begin, t, run.sol))
+        pieces.append((begin, t, lambda at, of=run.sol: of(at)[0]))
         if run.status == 1:
             state[1] = 0.0
             sign = _direction(of, state[0], t)

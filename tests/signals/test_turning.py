@@ -56,15 +56,14 @@ def test_the_level_of_a_rest_is_free_of_ringing_and_of_noise(part):
     assert at % (2.0 * math.pi) == pytest.approx(2.0 * math.pi - math.pi * part, abs=0.02)
     assert turning_points(series(odd), rests=False)[1][0] > level
     noise = error * np.random.default_rng(2).standard_normal((400, 16, 2)).view(complex)[..., 0]
-    drawn = [series(odd + one, variance=2.0 * error**2) for one in noise]
-    levels, peaks = (
-        np.array([turning_points(one, rests=flag)[1][0] for one in drawn]) for flag in (True, False)
-    )
+    drawn = series(odd + noise, variance=2.0 * error**2)
+    levels, peaks = (turning_points(drawn, rests=flag)[1] for flag in (True, False))
     assert abs(levels.mean() - 1.0) < 4.0 * levels.std() / 20.0 + 2e-5  # 400 draws
     assert peaks.mean() - 1.0 > 10.0 * abs(levels.mean() - 1.0)  # what this is for
 
 
-def test_a_peak_is_no_rest():
+def test_squares_lose_the_variance_and_may_be_negative_and_a_peak_is_no_rest():
+    assert series([2.0j, 0.1], variance=0.02).squares[0] == pytest.approx([3.98, -0.01])
     # the flattest peak that two harmonics make, 1.5 times as long near its end as a harmonic one
     for odd in ([1.0], [1.0, -1.0 / 9.0], [1.0, 0.1]):
         rests, peak = (turning_points(series(odd), rests=flag)[1][0] for flag in (True, False))
@@ -87,8 +86,3 @@ def test_replicates_with_many_harmonics_turn_and_cross_zero_where_a_fine_search_
         grid = at[i] + np.linspace(-math.pi, math.pi, 4096, endpoint=False)
         assert of_time(grid, series(one)).max() <= X[i] + 1e-15 * n.size
         assert of_time(zero[i : i + 1], series(one))[0] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_squares_lose_the_variance_and_may_be_negative():
-    some = Series(np.array([1.0, 3.0]), np.array([[2.0j, 0.1]]), np.array([1.0, 0.02]))
-    assert some.squares[0] == pytest.approx([3.0, -0.01])

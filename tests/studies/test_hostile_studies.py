@@ -18,7 +18,6 @@ from dampbalance.studies.shown import summary
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from studies.documents import DOCUMENTS, REFUSALS, document
 
-LONGEST = 300  # characters of a line
 SOUND = {name: DOCUMENTS[name] for name in ("curves", "map", "steps", "scatter")}
 TEXTS = ["<script>alert(1)</script>", "a | b", "$x$ $\\frac$", "`c`", "x" * 190, "two\nlines", ""]
 NUMBERS = [0, -1, True, None, "x", [], {}, 1e-300, 1e300, 2**62, float("nan"), float("inf")]
@@ -33,7 +32,6 @@ ODD = {
     ("figure", "x"): NAMES,
     ("figure", "panels"): NAMES,
     ("figure", "kind"): ["curves", "map", "scatter"],
-    ("figure", "fit"): ["pairs", "pair_1_2", "pair_9_9"],
     ("figure", "marks"): [[{text: at}] for text in (*TEXTS, 1, True) for at in (50.0, -5.0, 1e300)],
     ("levels_m",): [[0.004, 0.004 * (1 + 1e-12)], [1e-300, 1e300]],
     ("chunk_cases",): [10**9, 1],
@@ -58,8 +56,8 @@ def built(study, folder) -> str:
     case_files.join_chunks(file, chunks, study)
     case_files.write_manifest(folder / "manifest.json", file, study, "0")
     if study.figure:
-        text = alternative_text(study)
-        save(study_figure(study, file), folder / "a.svg", folder / "a.png", text)
+        drawn = folder / "a.svg", folder / "a.png"
+        save(study_figure(study, file), *drawn, alternative_text(study))
     return summary.summary_markdown(study, summary.summary_of(file, study), "", "figure.png")
 
 
@@ -82,7 +80,7 @@ def test_many_are_refused_or_made(tmp_path_factory, name, edits):
         refusal = str(error)
     for line in refusal.splitlines():
         assert line.startswith((str(file), "…"))
-        assert len(line) <= LONGEST
+        assert len(line) <= 300
     if not refusal:
         assert study.cases <= 20_000  # what these draws can ask for at most; the rest is refused
         with warnings.catch_warnings():

@@ -15,7 +15,6 @@ from dampbalance.project.documents import ConfigurationError, read_yaml
 from dampbalance.project.wording import number_text, percent, signed_percent
 from dampbalance.solver import least_squares
 from dampbalance.studies import reading_study
-from dampbalance.studies.parameters import PARAMETERS
 from dampbalance.studies.shown import maps
 from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import study_figure
@@ -40,10 +39,9 @@ CURVES = {"kind": "curves", "x": "omega_over_omega_n"}
         ({"axes": [{"sample": SAMPLE | {"count": 64}}]}, {"kind": "curves", "x": "zeta"}),
         (NOISY | {"axes": [FEW, RUN]}, {"kind": "scatter", "x": "zeta"}),
         (NOISY | {"axes": [RUN]}, {"kind": "curves", "x": "run"}),
-        # not drawn: too many cases for curves; nothing that varies; as the file wants it
+        # not drawn: too many cases for curves; nothing that varies
         ({"axes": [{"sample": SAMPLE | {"count": 10**6}}]}, {}),
         ({"axes": [{"zeta": {"values": [0.1]}}]}, {}),
-        ({"axes": [LONG], "figure": None}, {}),
     ],
 )  # fmt: skip
 def test_a_study_without_a_figure_gets_one_by_its_axes(make, document, figure):
@@ -52,9 +50,7 @@ def test_a_study_without_a_figure_gets_one_by_its_axes(make, document, figure):
 
 def test_a_map_of_single_cases_shows_their_errors_with_zero_in_the_middle(computed):
     study, table, path = computed({"axes": [STIFF, LONG]})
-    figure = study_figure(study, path)
-    assert PARAMETERS["omega_over_omega_n"].label in {text.get_text() for text in figure.texts}
-    panel = next(a for a in figure.axes if a.get_title() == "$X_s$")
+    panel = next(a for a in study_figure(study, path).axes if a.get_title() == "$X_s$")
     mesh = panel.collections[0]
     errors = 100.0 * table["F_k_relative_error__X_s__reversal__individual__least_squares"]
     assert np.array_equal(mesh.get_array(), errors.to_numpy().reshape(21, 31))
@@ -87,8 +83,9 @@ def test_one_curve_stands_for_approaches_that_agree_and_open_marks_for_too_small
     colour = looks.HARMONIC_LOOK.colour
     curve, *marks = (line for line in axes.lines if line.get_color() == colour)
     y = np.asarray(curve.get_ydata(), float)
-    np.testing.assert_allclose(y[x < 2.49], np.abs(x[x < 2.49] - 1.6), atol=1e-9)
-    assert np.isnan(y[x > 2.51]).all()
+    expected = np.where(x < 2.49, np.abs(x - 1.6), np.nan)
+    away = np.abs(x - 2.5) > 0.01
+    np.testing.assert_allclose(y[away], expected[away], atol=1e-9)
     for name in factors:  # from the last place where all agree
         alone = next(line for line in axes.lines if line.get_color() == looks.LOOKS[name].colour)
         seen = x[np.isfinite(np.asarray(alone.get_ydata(), float))]
@@ -119,7 +116,6 @@ F = "errors('F_k', 'X_s')"
     ("study", "asked", "words"),
     [
         (zeta(), F + ".at(zeta=0.31)", "zeta: 0.31 is not among the 9 values of zeta, whose nearest are 0.3 and 0.4"),
-        (zeta(), F + ".at(zeta='rk4')", "zeta: 'rk4' is not a number"),
         (zeta(), F + ".between(zeta=[0.5, 0.2])", "are not two bounds of zeta, the lower one first"),
         (zeta(), F + ".signed", "is the error of one case, and 9 are left"),
         (PAIRED, F + ".at(zeta=0.1, K_z_over_k=90.0)", "selects no case"),
@@ -129,7 +125,6 @@ F = "errors('F_k', 'X_s')"
         (zeta(), F + ".__class__", "is unsafe"),
         (zeta(), "errors('F_k', 'fit')", "selects no fit of this study: see estimation"),
         (zeta(), "errors('c_3', 'direct')", "c_3 is not identified, or the oscillator has none: see estimation.terms"),
-        (zeta(), "errors('F_k', phases='reversal')", "errors takes approach, contact, fit, phase, sharing, terms"),
         (zeta(), "errors('F_k').p95", "p95 refers to one fit, but direct__least_squares, X_s"),
     ],
 )  # fmt: skip
@@ -155,8 +150,7 @@ def test_numbers_are_taken_from_the_cases_they_name(computed, says):
 
 
 def test_what_cannot_be_identified_is_said(computed, says):
-    names = [name for name in computed(zeta())[1] if name.startswith("F_k_relative_error__direct")]
-    made, _, path = computed(zeta(), **dict.fromkeys(names, np.nan))
+    made, _, path = computed(zeta(), F_k_relative_error__direct__least_squares=np.nan)
     template = "{{ errors('F_k', 'direct').largest | percent }}"
     assert says(made, path, template) == "nothing (it cannot be identified there)"
 
@@ -194,7 +188,6 @@ def shipped(computed):
 @pytest.mark.parametrize(
     ("name", "what", "of"),
     [
-        ("contact_stiffness", "paper", {"hz": 4.92}),
         ("contact_stiffness", "off_soft", {"hz": 11.1, "K_z": 2.0 * PAPER.k}),
         ("level", "low", {"hz": 4.92, "levels": (0.004, 0.006)}),
         # at the paper's frequencies, as `results/paper/tables/approaches.csv` and the page have them
@@ -210,24 +203,22 @@ def test_numbers_are_at_the_parameters_that_they_name(shipped, name, what, of):
 
 
 # Derived by independent code from exact orbits, to half a unit of the digits given: the worst pair of the Fourier
-# balance at 11.1 Hz and 3.5 Hz where the features named are rounded, X, X_s and X_n to 10 µm, φ_1 to three decimals.
+# balance at 11.1 Hz where the features named are rounded, X, X_s and X_n to 10 µm, φ_1 to three decimals.
 @pytest.mark.parametrize(
     ("what", "error", "half"),
     [
         ("fourier_five", 0.773, 0.0005),  # X, X_s
-        ("fourier_six", -0.0747, 0.00005),  # X, X_s to one more
         ("fourier_phase", 2.8, 0.05),  # φ_1 as well
         ("fourier_table_1", 6.5, 0.05),  # X_1, X_3, X_5 as well
-        ("fourier_table_1_below", 3.1, 0.05),
         ("fourier_one_more", 0.35, 0.005),  # all of them to one more
     ],
 )
 def test_the_fourier_balance_needs_the_decimals_of_all_that_it_reads(shipped, what, error, half):
-    stated = shipped("read_out")[what].removesuffix(" %").replace("−", "-")
+    stated = shipped("read_out")[what].removesuffix(" %")
     assert float(stated) == pytest.approx(error, abs=half * (1.0 + 1e-9))
 
 
-@pytest.mark.parametrize(("number_of", "hz"), [(1, 4.92), (2, 3.5), (3, 11.1)])
+@pytest.mark.parametrize(("number_of", "hz"), [(1, 4.92), (3, 11.1)])
 def test_thresholds_of_a_rigid_model_are_where_its_error_is_one_per_cent(shipped, number_of, hz):
     def excess(K):
         return abs(error_of_F_k(hz, "direct", rigid=True, K_z=K * PAPER.k)) - 0.01
