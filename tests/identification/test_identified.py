@@ -8,31 +8,31 @@ import json
 import math
 import re
 from dataclasses import replace
-from functools import cache
 from html import unescape
 
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from matplotlib import pyplot
 
 from dampbalance import Oscillator, identify, measured_ring_down, read_records
 from dampbalance.findings.words import unit_of
 from dampbalance.identification import report as reports
-from dampbalance.identification.document import table as rows_of_table
 from dampbalance.identification.forced import friction_loops
 from dampbalance.identification.level import Level, damping_ratio
 from dampbalance.identification.outputs import ALL_PICTURES, PICTURES, REPORT, TABLES, pictures_of
 from dampbalance.identification.pictures import draw
 from dampbalance.identification.screen import interval_of, value_of
+from dampbalance.records.errors import RecordError
+from dampbalance.records.readers import mapping_to_start_from
 from folders import ROOT
-from identification.levels import clipped, close
+from identification.levels import clipped, close, measured
 from paper_case import PAPER
-from toys import toy
+from records.drafts import filled
 
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
 DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
-OMEGA, X = 2.0 * math.pi * 4.0, 0.003
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +40,13 @@ def steady():
     return identify(FILES[::2], PAPER.k, laws=True)
 
 
+def release():
+    return measured_ring_down(DECAYING, x=0.012, rate_hz=1000.0, duration=4.0, noise=0.005)
+
+
 @pytest.fixture(scope="module")
 def decay():
-    free = measured_ring_down(DECAYING, x=0.012, rate_hz=1000.0, duration=4.0, noise=0.005)
-    return identify(free, DECAYING.k)
+    return identify(release(), DECAYING.k)
 
 
 @pytest.fixture(scope="module")
@@ -64,12 +67,6 @@ def found(kind, request):
 @pytest.fixture
 def truth(kind):
     return PAPER if kind == "steady" else DECAYING
-
-
-@pytest.fixture(scope="module")
-def report(request):
-    """Makes the report of a kind, once: report(kind) -> its HTML."""
-    return cache(lambda kind: request.getfixturevalue(kind).report())
 
 
 def plain(text):
@@ -134,28 +131,17 @@ def test_the_rows_are_those_that_were_solved(found):
     assert len(rows) >= 2
 
 
-@pytest.mark.parametrize(
-    ("W", "c"),
-    [
-        (math.pi * 90.0 * OMEGA * X**2, 90.0),  # viscous
-        (4.0 * 1.28 * X, 4.0 * 1.28 / (math.pi * OMEGA * X)),  # dry friction: Jacobsen (1930)
-        (math.pi * 0.02 * PAPER.k * X**2, 0.02 * PAPER.k / OMEGA),  # structural, η = 0.02
-    ],
-)
-def test_equivalent_damping_has_closed_forms(W, c):
-    level = Level("one", X, OMEGA, W, 0.0)
-    assert level.equivalent_damping == pytest.approx(c, rel=1e-12)
-    assert level.loss_factor(PAPER.k) == pytest.approx(c * OMEGA / PAPER.k, rel=1e-12)
-
-
-def test_at_the_natural_frequency_the_loss_factor_is_twice_the_damping_ratio():
-    omega = math.sqrt(PAPER.k / PAPER.m)
-    W = math.pi * PAPER.c * omega * X**2
-    level = Level("one", X, omega, W, 0.0).document(PAPER.k, PAPER.m)
+def test_equivalent_damping_has_closed_forms():
+    """A damper has its own c, ζ_eq = ζ and η = 2ζ = 1/Q at the natural frequency; dry friction 4F_k/(πωX), Jacobsen."""
+    omega, X = math.sqrt(PAPER.k / PAPER.m), 0.003
     zeta = damping_ratio(PAPER.c, PAPER.k, PAPER.m)
-    assert level["equivalent_damping_ratio"] == pytest.approx(zeta, rel=1e-12)
-    assert level["loss_factor"] == pytest.approx(2.0 * zeta, rel=1e-12)
-    assert level["Q"] == pytest.approx(1.0 / (2.0 * zeta), rel=1e-12)
+    viscous = Level("one", X, omega, math.pi * PAPER.c * omega * X**2, 0.0)
+    told = viscous.document(PAPER.k, PAPER.m)
+    ratios = [told[key] for key in ("equivalent_damping_ratio", "loss_factor", "Q")]
+    assert ratios == pytest.approx([zeta, 2.0 * zeta, 1.0 / (2.0 * zeta)], rel=1e-12)
+    assert viscous.equivalent_damping == pytest.approx(PAPER.c, rel=1e-12)
+    dry = Level("one", X, omega, 4.0 * PAPER.F_k * X, 0.0).equivalent_damping
+    assert dry == pytest.approx(4.0 * PAPER.F_k / (math.pi * omega * X), rel=1e-12)
 
 
 def test_the_levels_of_records_lose_what_friction_and_damper_take(steady, decay):
@@ -186,27 +172,15 @@ def test_the_screen_begins_with_the_answer_and_is_as_wide_as_it_is_told(found):
         # two digits of the half width are shown
         assert float(value) == pytest.approx(found.values[symbol], abs=0.05 * (high - low))
         assert float(half) == pytest.approx(0.5 * (high - low), rel=0.05)
-    for width in (40, 132):
-        lines = found.screen(width).splitlines()
-        assert all(len(line) <= width for line in lines if "  " not in line.strip())
-        assert not [line for line in lines if re.match(r"\s*(?:N|kg|%|mm|Hz|=)(?:\s|$)", line)]
-        assert plain(found.screen(width)) == said
+    lines = found.screen(40).splitlines()
+    assert all(len(line) <= 40 for line in lines if "  " not in line.strip())
+    assert plain(found.screen(40)) == said
     assert repr(found) == found.screen().rstrip("\n")
-    html = found._repr_html_()
-    assert all(f'<th scope="row">{name}' in html for name in found.approaches)
-
-
-def test_the_screen_has_three_causes_the_one_that_changes_most_first(steady):
-    effects = {"line": {}, "step": {}, "drift": {}, "cable": {"F_k": 0.01}, "gain": {"": 0.2}}
-    found = replace(steady, odd=tuple(toy(f"a {word}", of) for word, of in effects.items()))
-    said = [line for line in found.screen().splitlines() if line.startswith("- ")]
-    assert said == ["- A gain.", "- A cable.", "- A line."]
-    assert "See the method text for 2 more and all numbers" in found.screen()
 
 
 @BOTH
-def test_a_report_is_one_file_with_every_number(found, kind, report):
-    html = report(kind)
+def test_a_report_is_one_file_with_every_number(found):
+    html = found.report()
     assert set(re.findall(r'(?:src|href)="([^:"]+:[^;"]*)', html)) == {"data:image/svg+xml"}
     assert not re.search(r"<script|<link|@import|url\(", html)
     pictures = re.findall(r'src="data:image/svg\+xml;base64,(.+?)"', html)
@@ -224,21 +198,16 @@ def test_a_report_is_one_file_with_every_number(found, kind, report):
         assert (record.get("sha256") or "not from a file") in said
 
 
-def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady, doubtful, report):
+def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady, doubtful):
     cause, remedy = "acceleration is clipped", "raise the measuring range"
     assert {v.verdict for v in doubtful.verdicts.values()} <= {"doubtful", "none"}
     assert cause in doubtful.document()["no_answer"]
-    assert [cause in row["no_answer"] for row in rows_of_table(doubtful)[:1]] == [True]
     for said, numbers in (
         (doubtful.text(), "F_k (N)"),
-        (plain(doubtful.screen()), "verdict"),
-        (words(report("doubtful")), "95 % interval"),
+        (words(doubtful.report()), "95 % interval"),
     ):
         order = [said.index(one) for one in (f"No answer: {cause}", remedy, numbers)]
         assert sorted(order) == order
-    # numbers that can be used come before what limits them
-    page = words(report("steady"))
-    assert page.index("95 % interval") < page.index("What to check and do next")
     assert (steady.no_answer, steady.document()["no_answer"]) == ("", None)
 
 
@@ -304,10 +273,9 @@ def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
 # --- files ----------------------------------------------------------------------------------------
 
 
-@BOTH
-def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path, monkeypatch):
+def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(decay, tmp_path, monkeypatch):
     """All is computed before a file changes; no temporary file is left."""
-    folder = tmp_path / "new" / "found"
+    found, folder = decay, tmp_path / "new" / "found"
     files = found.save(folder)
     assert {file.name for file in files} == {*TABLES, *pictures_of(found.figures), REPORT}
     document = (folder / "identification.json").read_text(encoding="utf-8")
@@ -348,6 +316,33 @@ def test_files_tables_arrays_and_a_file_for_each_channel_give_the_same(steady, t
     for record, mass in zip(found.document()["records"], masses, strict=True):
         digest = hashlib.sha256(mass.read_bytes()).hexdigest()
         assert record["others"] == [{"file": str(mass), "sha256": digest}]
+
+
+@BOTH
+@pytest.mark.filterwarnings("ignore:.*channels not used")
+def test_files_of_a_data_logger_are_identified_by_the_mapping_that_is_suggested(
+    kind, truth, tmp_path
+):
+    files = []
+    for record in measured() if kind == "steady" else [release()]:
+        sensors = {q: f"Ch {n}" for n, q in enumerate(record)}
+        t = record["displacement"].t
+        number = np.arange(1.0, t.size + 1.0)
+        columns = {"Time": t, "No": number, "Temp": 21.0 + np.sin(0.01 * number), "Status": 0.0 * t}
+        columns |= {name: 1e3 * record[q].values for q, name in sensors.items()}
+        table = pd.DataFrame(columns).to_csv(index=False, float_format="%.9g")
+        files.append(tmp_path / f"{len(files)}.csv")
+        files[-1].write_text(f"Model,MSO24\n\nRecord Length,5714\n\n{table}", encoding="cp1252")
+    with pytest.raises(RecordError, match="what do"):
+        identify(files, truth.k)
+    suggested = mapping_to_start_from(files[0], {"delimiter": ","})
+    for reason in ("'No': rises by 1", "'Temp': a temperature", "'Status': constant, 0"):
+        assert f"# left aside: {reason}" in suggested
+    mapping = filled(yaml.safe_load(suggested), sensors)
+    assert mapping["delimiter"] == ","
+    assert close(identify(files, truth.k, mapping=mapping), truth)
+    with pytest.raises(RecordError, match=r"names the channels of .* already"):
+        mapping_to_start_from(files[0], mapping)
 
 
 def test_cycles_are_skipped(steady):
