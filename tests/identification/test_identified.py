@@ -1,9 +1,10 @@
-"""What `identify` returns, whole and consistent: numbers, screen, report, pictures, files; of the kinds of records."""
+"""What `identify` takes and returns, whole and consistent: options, numbers, screen, report, pictures, files."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+import inspect
 import json
 import math
 import re
@@ -16,7 +17,15 @@ import pytest
 import yaml
 from matplotlib import pyplot
 
-from dampbalance import Oscillator, identify, measured_ring_down, read_records
+from dampbalance import (
+    Oscillator,
+    identify,
+    identify_decays,
+    identify_forced,
+    measured_ring_down,
+    read_records,
+    steady_orbits,
+)
 from dampbalance.findings.words import unit_of
 from dampbalance.identification import report as reports
 from dampbalance.identification.forced import friction_loops
@@ -24,10 +33,13 @@ from dampbalance.identification.level import Level, damping_ratio
 from dampbalance.identification.outputs import ALL_PICTURES, PICTURES, REPORT, TABLES, pictures_of
 from dampbalance.identification.pictures import draw
 from dampbalance.identification.screen import interval_of, value_of
+from dampbalance.measured import WAYS
+from dampbalance.project.case import read_case_schema
+from dampbalance.project.options import OPTIONS, configured, contradictions
 from dampbalance.records.errors import RecordError
 from dampbalance.records.readers import mapping_to_start_from
 from folders import ROOT
-from identification.levels import clipped, close, measured
+from identification.levels import THREE, clipped, close, measured
 from paper_case import PAPER
 from records.drafts import filled
 
@@ -52,7 +64,7 @@ def decay():
 @pytest.fixture(scope="module")
 def doubtful():
     """The last response clipped at 90 % of its peak is that of no oscillator."""
-    whole = read_records(FILES[::2])
+    whole = measured(channels=THREE, rate_hz=500.0)
     return identify([*whole[:2], clipped(whole[2], "acceleration", 0.9)], PAPER.k)
 
 
@@ -370,3 +382,97 @@ def test_cycles_are_skipped(steady):
 def test_what_cannot_be_identified_is_refused_in_a_sentence(records, options, message):
     with pytest.raises(ValueError, match=message):
         identify(records, **{"stiffness": PAPER.k, **options})
+
+
+# --- options: signatures are the documentation, and each kind refuses those of others --------------
+
+K = PAPER.k
+DECAY = measured_ring_down(DECAYING, x=0.012, rate_hz=500.0, duration=2.0, noise=0.001)
+_T = np.arange(0.0, 8.0, 0.01)
+_X, _F = np.cos(2.0 * math.pi * _T), np.clip(9.0 * np.cos(2.0 * math.pi * _T - 0.3), -5.0, 5.0)
+SPEEDS = {"speed_rpm": [1, -1, 2, -2, 4, -4, 8, -8], "torque_N_m": [3, -3, 4, -4, 5, -5, 9, -9]}
+RECORDS = {
+    "forced": measured(rate_hz=500.0),
+    "ring-down": DECAY,
+    "stepped-sine": str(ROOT / "config/records/stepped/levels.csv"),
+    "loops": {"time_s": _T, "displacement_mm": _X, "force_N": _F},
+    "friction-speed": SPEEDS,
+}
+VALUES = {
+    "frequency": 3.5,
+    "terms": "F_k,c",
+    "given": {"c": 90.0},
+    "groups": {"F_k": "A,A,B"},
+    "contact_to": "base",
+    "fixture_mass": 0.1,
+    "laws": True,
+    "skip_cycles": 1,
+    "pendulum": True,
+    "contact": "gradual",
+    "hardening": False,
+    "residual": True,
+    "normal_force": 5.0,
+    "fixture_stiffness": 1e6,
+    "backlash": False,
+}
+"""A value of each option that is not its default."""
+TAKEN = {
+    "forced": "frequency groups contact_to fixture_mass skip_cycles laws terms given",
+    "ring-down": "pendulum laws",
+    "stepped-sine": "terms given contact hardening residual",
+    "loops": "skip_cycles normal_force fixture_stiffness backlash",
+    "friction-speed": "",
+}
+MISPLACED = "is for .*, and these are .*: leave it out"
+
+
+@pytest.mark.parametrize("kind", WAYS)
+def test_each_kind_takes_its_options_and_refuses_others(kind):
+    needs = {"stiffness": K} if kind in ("forced", "ring-down") else {}
+    function = inspect.signature(WAYS[kind]).parameters
+    for name, value in VALUES.items():
+        wrong = dict(contradictions({"kind": kind, OPTIONS[name].key: value}))
+        takes = name in TAKEN[kind].split()
+        assert (name in function, OPTIONS[name].key in wrong) == (takes, not takes)
+        if not takes:
+            assert re.fullmatch(MISPLACED, wrong[OPTIONS[name].key])
+            for stated in ("recognised", kind):
+                with pytest.raises(ValueError, match=f"^{name} = .* {MISPLACED}$"):
+                    identify(RECORDS[kind], kind=stated, **needs | {name: value})
+    assert ("stiffness_N_per_m" in dict(contradictions({"kind": kind}))) == bool(needs)
+    for given in {"stiffness": K}, {"mass": 2.0}:
+        if kind in ("loops", "friction-speed"):
+            with pytest.raises(ValueError, match=MISPLACED):
+                identify(RECORDS[kind], kind=kind, **given)
+
+
+def test_an_unknown_option_is_that_of_a_call_and_one_at_its_default_is_none():
+    with pytest.raises(TypeError, match="unexpected keyword argument 'frequncy'"):
+        identify(DECAY, K, frequncy=3.5)
+    named = {name: OPTIONS[name].default for name in (*VALUES, "mass")}
+    found, own = identify(DECAY, K, **named), identify_decays(DECAY, K)
+    assert found.document() == own.document()
+    assert found.mass == pytest.approx(DECAYING.m, rel=1e-3)  # noise of 0.1 %
+    assert found.damping_ratio == pytest.approx(1.5 / (2 * math.sqrt(K * 2.0)), rel=0.1)
+
+
+def test_a_configuration_has_every_argument():
+    keys = read_case_schema()["properties"]["measured"]["items"]["properties"].keys()
+    arguments = configured(dict.fromkeys(keys, 1.0) | {"kind": "forced"}).keys()
+    assert {"records", *arguments} == inspect.signature(identify).parameters.keys()
+
+
+def test_what_no_fit_determines_is_nan():
+    """Nothing slips: a linear oscillator, whose mass no fit of a slider determines."""
+    still = measured((0.002, 0.004), 4.0, osc=replace(PAPER, F_k=0.0), rate_hz=500.0, noise=0.0)
+    found = identify_forced(still, K)
+    assert found.values["c"] == pytest.approx(90.0, rel=1e-6)
+    assert all(map(math.isnan, (found.mass, found.natural_frequency, found.damping_ratio)))
+
+
+def test_steady_orbits_are_those_of_an_oscillator():
+    given = {"Y": 0.004, "omega": 22.0}
+    with pytest.raises(ValueError, match="oscillator must be an Oscillator, got 5"):
+        steady_orbits(5, **given)
+    with pytest.raises(ValueError, match=r"m must be a positive number of kg, .*got None"):
+        steady_orbits(**given)
