@@ -43,11 +43,6 @@ def many():
     return identify(table(MANY))
 
 
-@pytest.fixture(params=["one", "many"])
-def found(request):
-    return request.getfixturevalue(request.param)
-
-
 def test_one_slider_is_found_where_it_is_enough(one):
     assert next(iter(one.approaches)) == "one slider"
     truth = {"F_k": ONE.F_k, "c": OSCILLATOR["c"], "K_z": ONE.K_z}
@@ -117,8 +112,8 @@ def test_a_level_is_its_line_nearest_to_resonance(one):
         assert friction + np.pi * level.omega * 6.0 * level.X**2 == pytest.approx(level.W, rel=0.05)
 
 
-def test_everything_of_an_identification_is_there(found, tmp_path):
-    files = found.save(tmp_path)
+def test_everything_of_an_identification_is_there(many, tmp_path):
+    found, files = many, many.save(tmp_path)
     assert {file.name for file in files} == {*outputs_of("stepped-sine")}
     document = found.document()
     assert document["answer"] == next(iter(found.approaches)) == document["comparison"]["supported"]
