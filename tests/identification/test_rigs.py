@@ -163,11 +163,7 @@ def test_a_stiffness_that_is_stated_too_high_is_named_where_nothing_slips(drive,
         ("base_displacement", {"stiffness": 5.0, "fixture_mass": 0.1}, "fixture_mass .* no force"),
         ("base_displacement", {"stiffness": 5.0, "fixture_mass": -0.1}, "fixture_mass must be"),
         ("force", {"mass": 2.42}, "a force drives; stiffness is missing.*known weights"),
-        (
-            "force",
-            {"stiffness": 1.0, "mass": 1.0, "contact_to": "base"},
-            "contact_to = base is for",
-        ),
+        ("force", {"stiffness": 1.0, "mass": 1.0, "contact_to": "base"}, "contact_to = base is"),
     ],
 )
 def test_what_a_rig_lacks_or_does_not_allow_is_named(drive, given, words):
