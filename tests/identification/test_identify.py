@@ -1,4 +1,4 @@
-"""F_k, c and K_z from measured responses: against the truth, with intervals that hold, and by records of other code."""
+"""F_k, c and K_z from measured responses: against the truth, with intervals that hold."""
 
 from __future__ import annotations
 
