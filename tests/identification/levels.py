@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 
-from blind import records, truths
 from dampbalance.identification.forced import identify_readings
 from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
@@ -42,16 +40,6 @@ def measured(levels=(0.004, 0.008, 0.012), hz=3.5, osc=PAPER, **options):
     options = {"rate_hz": 1000.0, "cycles": 20.0, "noise": 0.01, "channels": THREE[:2]} | options
     orbits = orbits_at(hz, levels, osc)
     return [measured_orbit(orbit, **{"seed": i, **options}) for i, orbit in enumerate(orbits)]
-
-
-def integrated(levels, hz, osc=PAPER, **options):
-    """Records of any phase by the independent integrator of the blind set."""
-    options |= {
-        "cycles": (20.0,) * len(levels),
-        "start": tuple(0.3 * i for i in range(len(levels))),
-    }
-    motion = {"Y": tuple(levels), "omega": 2.0 * math.pi * hz, "equal": False}
-    return records.records(replace(truths.draw(0), **asdict(osc), **motion, **options))
 
 
 def changed(record, which, /, **changes):

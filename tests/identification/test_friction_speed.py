@@ -56,8 +56,6 @@ def test_a_table_is_recognised_and_its_friction_usable(tmp_path):
     ("head", "by_v", "by_F", "unit"),
     [
         (("speed (rpm)", "torque (mN m)"), math.pi / 30.0, 1e-3, "N m"),
-        (("speed [deg/s]", "Torque [Nm]"), math.pi / 180.0, 1.0, "N m"),
-        (("velocity_mm_per_s", "friction_force_N"), 1e-3, 1.0, "N"),
         (("v (m/s)", "F (mN)"), 1.0, 1e-3, "N"),
     ],
 )

@@ -1,38 +1,50 @@
-"""What `identify` returns, whole and consistent: numbers, screen, report, pictures, files; of the kinds of records."""
+"""What `identify` takes and returns, whole and consistent: options, numbers, screen, report, pictures, files."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
+import inspect
 import json
 import math
 import re
 from dataclasses import replace
-from functools import cache
 from html import unescape
 
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from matplotlib import pyplot
 
-from dampbalance import Oscillator, identify, measured_ring_down, read_records
+from dampbalance import (
+    Oscillator,
+    identify,
+    identify_decays,
+    identify_forced,
+    measured_ring_down,
+    read_records,
+    steady_orbits,
+)
 from dampbalance.findings.words import unit_of
 from dampbalance.identification import report as reports
-from dampbalance.identification.document import table as rows_of_table
 from dampbalance.identification.forced import friction_loops
 from dampbalance.identification.level import Level, damping_ratio
 from dampbalance.identification.outputs import ALL_PICTURES, PICTURES, REPORT, TABLES, pictures_of
 from dampbalance.identification.pictures import draw
 from dampbalance.identification.screen import interval_of, value_of
+from dampbalance.measured import WAYS
+from dampbalance.project.case import read_case_schema
+from dampbalance.project.options import OPTIONS, configured, contradictions
+from dampbalance.records.errors import RecordError
+from dampbalance.records.readers import mapping_to_start_from
 from folders import ROOT
-from identification.levels import clipped, close
+from identification.levels import THREE, clipped, close, measured
 from paper_case import PAPER
-from toys import toy
+from records.drafts import filled
 
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
 DECAYING = Oscillator(m=2.0, c=1.5, k=2310.0, K_z=208000.0, F_k=0.5)
-OMEGA, X = 2.0 * math.pi * 4.0, 0.003
 
 
 @pytest.fixture(scope="module")
@@ -40,16 +52,19 @@ def steady():
     return identify(FILES[::2], PAPER.k, laws=True)
 
 
+def release():
+    return measured_ring_down(DECAYING, x=0.012, rate_hz=1000.0, duration=4.0, noise=0.005)
+
+
 @pytest.fixture(scope="module")
 def decay():
-    free = measured_ring_down(DECAYING, x=0.012, rate_hz=1000.0, duration=4.0, noise=0.005)
-    return identify(free, DECAYING.k)
+    return identify(release(), DECAYING.k)
 
 
 @pytest.fixture(scope="module")
 def doubtful():
     """The last response clipped at 90 % of its peak is that of no oscillator."""
-    whole = read_records(FILES[::2])
+    whole = measured(channels=THREE, rate_hz=500.0)
     return identify([*whole[:2], clipped(whole[2], "acceleration", 0.9)], PAPER.k)
 
 
@@ -64,12 +79,6 @@ def found(kind, request):
 @pytest.fixture
 def truth(kind):
     return PAPER if kind == "steady" else DECAYING
-
-
-@pytest.fixture(scope="module")
-def report(request):
-    """Makes the report of a kind, once: report(kind) -> its HTML."""
-    return cache(lambda kind: request.getfixturevalue(kind).report())
 
 
 def plain(text):
@@ -134,28 +143,17 @@ def test_the_rows_are_those_that_were_solved(found):
     assert len(rows) >= 2
 
 
-@pytest.mark.parametrize(
-    ("W", "c"),
-    [
-        (math.pi * 90.0 * OMEGA * X**2, 90.0),  # viscous
-        (4.0 * 1.28 * X, 4.0 * 1.28 / (math.pi * OMEGA * X)),  # dry friction: Jacobsen (1930)
-        (math.pi * 0.02 * PAPER.k * X**2, 0.02 * PAPER.k / OMEGA),  # structural, η = 0.02
-    ],
-)
-def test_equivalent_damping_has_closed_forms(W, c):
-    level = Level("one", X, OMEGA, W, 0.0)
-    assert level.equivalent_damping == pytest.approx(c, rel=1e-12)
-    assert level.loss_factor(PAPER.k) == pytest.approx(c * OMEGA / PAPER.k, rel=1e-12)
-
-
-def test_at_the_natural_frequency_the_loss_factor_is_twice_the_damping_ratio():
-    omega = math.sqrt(PAPER.k / PAPER.m)
-    W = math.pi * PAPER.c * omega * X**2
-    level = Level("one", X, omega, W, 0.0).document(PAPER.k, PAPER.m)
+def test_equivalent_damping_has_closed_forms():
+    """A damper has its own c, ζ_eq = ζ and η = 2ζ = 1/Q at the natural frequency; dry friction 4F_k/(πωX), Jacobsen."""
+    omega, X = math.sqrt(PAPER.k / PAPER.m), 0.003
     zeta = damping_ratio(PAPER.c, PAPER.k, PAPER.m)
-    assert level["equivalent_damping_ratio"] == pytest.approx(zeta, rel=1e-12)
-    assert level["loss_factor"] == pytest.approx(2.0 * zeta, rel=1e-12)
-    assert level["Q"] == pytest.approx(1.0 / (2.0 * zeta), rel=1e-12)
+    viscous = Level("one", X, omega, math.pi * PAPER.c * omega * X**2, 0.0)
+    told = viscous.document(PAPER.k, PAPER.m)
+    ratios = [told[key] for key in ("equivalent_damping_ratio", "loss_factor", "Q")]
+    assert ratios == pytest.approx([zeta, 2.0 * zeta, 1.0 / (2.0 * zeta)], rel=1e-12)
+    assert viscous.equivalent_damping == pytest.approx(PAPER.c, rel=1e-12)
+    dry = Level("one", X, omega, 4.0 * PAPER.F_k * X, 0.0).equivalent_damping
+    assert dry == pytest.approx(4.0 * PAPER.F_k / (math.pi * omega * X), rel=1e-12)
 
 
 def test_the_levels_of_records_lose_what_friction_and_damper_take(steady, decay):
@@ -186,27 +184,15 @@ def test_the_screen_begins_with_the_answer_and_is_as_wide_as_it_is_told(found):
         # two digits of the half width are shown
         assert float(value) == pytest.approx(found.values[symbol], abs=0.05 * (high - low))
         assert float(half) == pytest.approx(0.5 * (high - low), rel=0.05)
-    for width in (40, 132):
-        lines = found.screen(width).splitlines()
-        assert all(len(line) <= width for line in lines if "  " not in line.strip())
-        assert not [line for line in lines if re.match(r"\s*(?:N|kg|%|mm|Hz|=)(?:\s|$)", line)]
-        assert plain(found.screen(width)) == said
+    lines = found.screen(40).splitlines()
+    assert all(len(line) <= 40 for line in lines if "  " not in line.strip())
+    assert plain(found.screen(40)) == said
     assert repr(found) == found.screen().rstrip("\n")
-    html = found._repr_html_()
-    assert all(f'<th scope="row">{name}' in html for name in found.approaches)
-
-
-def test_the_screen_has_three_causes_the_one_that_changes_most_first(steady):
-    effects = {"line": {}, "step": {}, "drift": {}, "cable": {"F_k": 0.01}, "gain": {"": 0.2}}
-    found = replace(steady, odd=tuple(toy(f"a {word}", of) for word, of in effects.items()))
-    said = [line for line in found.screen().splitlines() if line.startswith("- ")]
-    assert said == ["- A gain.", "- A cable.", "- A line."]
-    assert "See the method text for 2 more and all numbers" in found.screen()
 
 
 @BOTH
-def test_a_report_is_one_file_with_every_number(found, kind, report):
-    html = report(kind)
+def test_a_report_is_one_file_with_every_number(found):
+    html = found.report()
     assert set(re.findall(r'(?:src|href)="([^:"]+:[^;"]*)', html)) == {"data:image/svg+xml"}
     assert not re.search(r"<script|<link|@import|url\(", html)
     pictures = re.findall(r'src="data:image/svg\+xml;base64,(.+?)"', html)
@@ -224,21 +210,16 @@ def test_a_report_is_one_file_with_every_number(found, kind, report):
         assert (record.get("sha256") or "not from a file") in said
 
 
-def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady, doubtful, report):
+def test_without_an_answer_the_cause_comes_first_and_the_numbers_last(steady, doubtful):
     cause, remedy = "acceleration is clipped", "raise the measuring range"
     assert {v.verdict for v in doubtful.verdicts.values()} <= {"doubtful", "none"}
     assert cause in doubtful.document()["no_answer"]
-    assert [cause in row["no_answer"] for row in rows_of_table(doubtful)[:1]] == [True]
     for said, numbers in (
         (doubtful.text(), "F_k (N)"),
-        (plain(doubtful.screen()), "verdict"),
-        (words(report("doubtful")), "95 % interval"),
+        (words(doubtful.report()), "95 % interval"),
     ):
         order = [said.index(one) for one in (f"No answer: {cause}", remedy, numbers)]
         assert sorted(order) == order
-    # numbers that can be used come before what limits them
-    page = words(report("steady"))
-    assert page.index("95 % interval") < page.index("What to check and do next")
     assert (steady.no_answer, steady.document()["no_answer"]) == ("", None)
 
 
@@ -304,10 +285,9 @@ def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
 # --- files ----------------------------------------------------------------------------------------
 
 
-@BOTH
-def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(found, tmp_path, monkeypatch):
+def test_all_of_it_is_saved_and_nothing_is_replaced_unasked(decay, tmp_path, monkeypatch):
     """All is computed before a file changes; no temporary file is left."""
-    folder = tmp_path / "new" / "found"
+    found, folder = decay, tmp_path / "new" / "found"
     files = found.save(folder)
     assert {file.name for file in files} == {*TABLES, *pictures_of(found.figures), REPORT}
     document = (folder / "identification.json").read_text(encoding="utf-8")
@@ -350,6 +330,33 @@ def test_files_tables_arrays_and_a_file_for_each_channel_give_the_same(steady, t
         assert record["others"] == [{"file": str(mass), "sha256": digest}]
 
 
+@BOTH
+@pytest.mark.filterwarnings("ignore:.*channels not used")
+def test_files_of_a_data_logger_are_identified_by_the_mapping_that_is_suggested(
+    kind, truth, tmp_path
+):
+    files = []
+    for record in measured() if kind == "steady" else [release()]:
+        sensors = {q: f"Ch {n}" for n, q in enumerate(record)}
+        t = record["displacement"].t
+        number = np.arange(1.0, t.size + 1.0)
+        columns = {"Time": t, "No": number, "Temp": 21.0 + np.sin(0.01 * number), "Status": 0.0 * t}
+        columns |= {name: 1e3 * record[q].values for q, name in sensors.items()}
+        table = pd.DataFrame(columns).to_csv(index=False, float_format="%.9g")
+        files.append(tmp_path / f"{len(files)}.csv")
+        files[-1].write_text(f"Model,MSO24\n\nRecord Length,5714\n\n{table}", encoding="cp1252")
+    with pytest.raises(RecordError, match="what do"):
+        identify(files, truth.k)
+    suggested = mapping_to_start_from(files[0], {"delimiter": ","})
+    for reason in ("'No': rises by 1", "'Temp': a temperature", "'Status': constant, 0"):
+        assert f"# left aside: {reason}" in suggested
+    mapping = filled(yaml.safe_load(suggested), sensors)
+    assert mapping["delimiter"] == ","
+    assert close(identify(files, truth.k, mapping=mapping), truth)
+    with pytest.raises(RecordError, match=r"names the channels of .* already"):
+        mapping_to_start_from(files[0], mapping)
+
+
 def test_cycles_are_skipped(steady):
     part = identify(FILES[::2], PAPER.k, skip_cycles=5, frequency=3.5)
     cycles, fewer = ([r["cycles"] for r in of.document()["records"]] for of in (steady, part))
@@ -375,3 +382,97 @@ def test_cycles_are_skipped(steady):
 def test_what_cannot_be_identified_is_refused_in_a_sentence(records, options, message):
     with pytest.raises(ValueError, match=message):
         identify(records, **{"stiffness": PAPER.k, **options})
+
+
+# --- options: signatures are the documentation, and each kind refuses those of others --------------
+
+K = PAPER.k
+DECAY = measured_ring_down(DECAYING, x=0.012, rate_hz=500.0, duration=2.0, noise=0.001)
+_T = np.arange(0.0, 8.0, 0.01)
+_X, _F = np.cos(2.0 * math.pi * _T), np.clip(9.0 * np.cos(2.0 * math.pi * _T - 0.3), -5.0, 5.0)
+SPEEDS = {"speed_rpm": [1, -1, 2, -2, 4, -4, 8, -8], "torque_N_m": [3, -3, 4, -4, 5, -5, 9, -9]}
+RECORDS = {
+    "forced": measured(rate_hz=500.0),
+    "ring-down": DECAY,
+    "stepped-sine": str(ROOT / "config/records/stepped/levels.csv"),
+    "loops": {"time_s": _T, "displacement_mm": _X, "force_N": _F},
+    "friction-speed": SPEEDS,
+}
+VALUES = {
+    "frequency": 3.5,
+    "terms": "F_k,c",
+    "given": {"c": 90.0},
+    "groups": {"F_k": "A,A,B"},
+    "contact_to": "base",
+    "fixture_mass": 0.1,
+    "laws": True,
+    "skip_cycles": 1,
+    "pendulum": True,
+    "contact": "gradual",
+    "hardening": False,
+    "residual": True,
+    "normal_force": 5.0,
+    "fixture_stiffness": 1e6,
+    "backlash": False,
+}
+"""A value of each option that is not its default."""
+TAKEN = {
+    "forced": "frequency groups contact_to fixture_mass skip_cycles laws terms given",
+    "ring-down": "pendulum laws",
+    "stepped-sine": "terms given contact hardening residual",
+    "loops": "skip_cycles normal_force fixture_stiffness backlash",
+    "friction-speed": "",
+}
+MISPLACED = "is for .*, and these are .*: leave it out"
+
+
+@pytest.mark.parametrize("kind", WAYS)
+def test_each_kind_takes_its_options_and_refuses_others(kind):
+    needs = {"stiffness": K} if kind in ("forced", "ring-down") else {}
+    function = inspect.signature(WAYS[kind]).parameters
+    for name, value in VALUES.items():
+        wrong = dict(contradictions({"kind": kind, OPTIONS[name].key: value}))
+        takes = name in TAKEN[kind].split()
+        assert (name in function, OPTIONS[name].key in wrong) == (takes, not takes)
+        if not takes:
+            assert re.fullmatch(MISPLACED, wrong[OPTIONS[name].key])
+            for stated in ("recognised", kind):
+                with pytest.raises(ValueError, match=f"^{name} = .* {MISPLACED}$"):
+                    identify(RECORDS[kind], kind=stated, **needs | {name: value})
+    assert ("stiffness_N_per_m" in dict(contradictions({"kind": kind}))) == bool(needs)
+    for given in {"stiffness": K}, {"mass": 2.0}:
+        if kind in ("loops", "friction-speed"):
+            with pytest.raises(ValueError, match=MISPLACED):
+                identify(RECORDS[kind], kind=kind, **given)
+
+
+def test_an_unknown_option_is_that_of_a_call_and_one_at_its_default_is_none():
+    with pytest.raises(TypeError, match="unexpected keyword argument 'frequncy'"):
+        identify(DECAY, K, frequncy=3.5)
+    named = {name: OPTIONS[name].default for name in (*VALUES, "mass")}
+    found, own = identify(DECAY, K, **named), identify_decays(DECAY, K)
+    assert found.document() == own.document()
+    assert found.mass == pytest.approx(DECAYING.m, rel=1e-3)  # noise of 0.1 %
+    assert found.damping_ratio == pytest.approx(1.5 / (2 * math.sqrt(K * 2.0)), rel=0.1)
+
+
+def test_a_configuration_has_every_argument():
+    keys = read_case_schema()["properties"]["measured"]["items"]["properties"].keys()
+    arguments = configured(dict.fromkeys(keys, 1.0) | {"kind": "forced"}).keys()
+    assert {"records", *arguments} == inspect.signature(identify).parameters.keys()
+
+
+def test_what_no_fit_determines_is_nan():
+    """Nothing slips: a linear oscillator, whose mass no fit of a slider determines."""
+    still = measured((0.002, 0.004), 4.0, osc=replace(PAPER, F_k=0.0), rate_hz=500.0, noise=0.0)
+    found = identify_forced(still, K)
+    assert found.values["c"] == pytest.approx(90.0, rel=1e-6)
+    assert all(map(math.isnan, (found.mass, found.natural_frequency, found.damping_ratio)))
+
+
+def test_steady_orbits_are_those_of_an_oscillator():
+    given = {"Y": 0.004, "omega": 22.0}
+    with pytest.raises(ValueError, match="oscillator must be an Oscillator, got 5"):
+        steady_orbits(5, **given)
+    with pytest.raises(ValueError, match=r"m must be a positive number of kg, .*got None"):
+        steady_orbits(**given)

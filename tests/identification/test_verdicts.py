@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dampbalance import identify
+from dampbalance import identify, measured_ring_down
 from dampbalance.balance import Rows
 from dampbalance.findings.finding import UNBOUNDED, Finding
 from dampbalance.findings.sentences import SENTENCES, Sentence
@@ -21,12 +21,12 @@ from dampbalance.identification.answer import ParameterEstimate as Estimate
 from dampbalance.identification.balance_check import contradiction, forbidden, notes_on
 from dampbalance.identification.oscillator import CommonFit
 from dampbalance.identification.result import Result
-from dampbalance.identification.screen import in_one, with_interval
+from dampbalance.identification.screen import in_one, limiting, with_interval
 from dampbalance.identification.weighing import DEPARTURES, departure, said_of, weighed_of
-from dampbalance.project.wording import listed, times
 from dampbalance.records.coordinate import ROTATION, TRANSLATION
-from identification.levels import measured
+from identification.levels import changed, measured
 from paper_case import PAPER
+from slips import slips
 from toys import TOY, toy
 
 
@@ -38,9 +38,7 @@ SOUND = Answer(
     "direct",
     {"F_k": parameter(1.28, 0.01), "c": parameter(90.0, 0.1), "K_z": parameter(208e3, 2e3)},
     covariance=np.full((3, 3), math.nan),
-    balance=Balance(
-        Rows({"F_k": np.ones(2), "c": np.arange(2.0)}, np.ones(2)), np.ones(2), ("a", "b")
-    ),
+    balance=Balance(Rows({"F_k": np.ones(2)}, np.ones(2)), np.ones(2), ("a", "b")),
     merit={"misfit": 1.0},
 )
 
@@ -195,12 +193,6 @@ def test_the_first_answer_is_the_one_to_use(balance, fit, warnings, first):
     assert set(outcome.approaches) == {"direct"} | ({REFERENCE} if fit else set())
 
 
-def test_names_in_a_row_and_factors_in_words():
-    assert [listed(["a", "b", "c"][:n]) for n in (1, 2, 3)] == ["a", "a and b", "a, b and c"]
-    factors = [times(x) for x in (1.44, 99.6, 450.2, 1e9)]
-    assert factors == ["1.4 times", "100 times", "450 times", "more than 1000 times"]
-
-
 def read(source, stick=0.0, **clipped):
     """A reading of a stick distance, of channels that are clipped in these parts of their cycles."""
     channels = {quantity: SimpleNamespace(clipped=part) for quantity, part in clipped.items()}
@@ -214,8 +206,12 @@ def test_an_onset_that_is_not_known_moves_F_k_by_half_of_the_stick():
     answer = replace(SOUND, parameters={"F_k": SOUND.parameters["F_k"]}, balance=balance)
     common = {"frictionless": False, "stuck": None, "waveforms_hold": False, "in_rows": False}
     common = SimpleNamespace(**common, fit=TOY, answer=SOUND)
-    (note,) = notes_on(answer, [read("a", 0.2), read("b", 0.4)], common)
+    readings = [read("a", 0.2), read("b", 0.4)]
+    (note,) = notes_on(answer, readings, common)
     assert note.effect["F_k"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-12)  # both rows alike
+    _, scatter = notes_on(replace(answer, merit={"misfit": 16.0}), readings, common)
+    assert scatter.code == "rows scatter"
+    assert scatter.effect["F_k"] == pytest.approx(4.0 * answer.parameters["F_k"].within)
 
 
 def test_a_coefficient_that_physics_forbids_is_named_with_the_likely_cause():
@@ -320,3 +316,48 @@ def test_all_that_was_weighed_is_listed_with_size_and_error(sound):
 def test_each_departure_has_words_with_its_size():
     words = [sentence(departure(name, -0.2, 0.5), ROTATION) for name in DEPARTURES]
     assert not [one for one in words if "{" in one]
+
+
+# --- words that slip out of a program, whatever the numbers in a sentence are ---------------------
+
+
+def said(found):
+    """Everything that an identification says, as one text, in which nothing slips out."""
+    text = "\n".join([str(found), found.text(), found._repr_html_(), *limiting(found)])
+    assert slips(text) == []
+    return text
+
+
+def altered(seconds=0.0, factor=1.0, loud=0.0, F_k=PAPER.F_k, **options):
+    """Records whose displacement is later and larger, and whose first channel has a second harmonic, a part of its
+    amplitude."""
+    for record in measured(osc=replace(PAPER, F_k=F_k), **options):
+        drive, x = (record[q] for q in record)
+        wave = loud * np.abs(drive.values).max() * np.cos(14.0 * math.pi * drive.t)
+        record = changed(record, drive.name, values=drive.values + wave)
+        yield changed(record, x.name, t=x.t + seconds, values=factor * x.values)
+
+
+@pytest.mark.parametrize(
+    ("alteration", "words", "others"),
+    [
+        ({"seconds": -1753e-6}, "a response that leads the drive by 17", "lags the drive"),
+        ({"seconds": 1753e-6}, "a response that lags the drive by 17", "leads the drive"),
+        ({"loud": 0.2, "channels": ("force", "displacement")}, "the force is not", "base motion"),
+        ({"F_k": 5.0, "levels": (0.004, 0.005, 0.006)}, "", "e+"),
+    ],
+)
+def test_what_is_said_of_forced_records(alteration, words, others):
+    text = said(identify([*altered(**alteration)], PAPER.k))
+    assert words in text
+    assert others not in text
+
+
+def test_what_is_said_of_another_law_and_a_wrong_mass():
+    said(identify([*altered(F_k=1e-9)], PAPER.k, terms=["F_k", "eta"], mass=1.0))
+
+
+def test_what_is_said_of_free_decays():
+    osc = replace(PAPER, m=2.0, c=1.5, F_k=1e-9)
+    free = measured_ring_down(osc, x=0.02, rate_hz=500.0, duration=4.0, noise=0.01)
+    said(identify(free, osc.k))
