@@ -48,7 +48,6 @@ CLOSE = (
     "motion",
     "studies/test_terms.py",
     "method/test_balance.py",
-    "method/test_copies.py",
     "method/test_features.py",
 )
 """Folders and files of the tests that compare closely and quickly; those that are slow are left out."""
