@@ -72,25 +72,10 @@ def test_the_demo_makes_the_example_identifies_it_and_shows_the_report(demo):
     assert f"opens {report.as_uri()}\n" in shown
     assert report.read_text(encoding="utf-8").count("data:image/svg+xml") > 2
     assert {path.name for path in report.parent.iterdir()} == {*OUTPUTS}
-    for name in ("cycles", "friction", "balance"):
-        assert (folder / f"found/{name}.png").read_bytes().startswith(b"\x89PNG")
-        assert "<dc:description>" in (folder / f"found/{name}.svg").read_text(encoding="utf-8")
-
-
-def test_the_document_holds_the_truth_of_the_example(demo):
-    found = json.loads((demo[0] / "found/identification.json").read_text(encoding="utf-8"))
-    truth = {"F_k": ("N", PAPER.F_k), "c": ("N_s_per_m", PAPER.c), "K_z": ("N_per_m", PAPER.K_z)}
-    for numbers in (found["approaches"]["direct"], found["maximum_likelihood"]):
-        for symbol, (unit, true) in truth.items():
-            if f"{symbol}_{unit}" in numbers:  # the balance has no K_z
-                low, high = numbers[f"{symbol}_interval_{unit}"]
-                assert low < true < high
-                assert low < numbers[f"{symbol}_{unit}"] < high
-                assert high - low < 0.03 * true
-    verdicts = found["maximum_likelihood"]["verdicts"]
-    assert {s: one["verdict"] for s, one in verdicts.items()} == dict.fromkeys(truth, "usable")
+    found = json.loads((report.parent / "identification.json").read_text(encoding="utf-8"))
+    low, high = found["maximum_likelihood"]["c_interval_N_s_per_m"]
+    assert low < PAPER.c < high < 1.03 * low
     assert [one for one in found["findings"] if one["effect"]] == []
-    assert found["records"][0]["frequency_Hz"] == pytest.approx(3.5, abs=1e-4)
 
 
 def test_the_same_records_give_the_same_bytes(demo, tmp_path):
@@ -114,37 +99,28 @@ def test_the_table_of_faults_in_the_documentation_is_that_of_the_example():
 def test_the_document_says_from_what_it_was_made_and_may_take_the_place_of_the_table(
     tmp_path, capsys, answer
 ):
-    records = [str(tmp_path / f"run{i}.csv") for i in (0, 1)]
-    for made, record in zip(records, RECORDS, strict=False):
-        Path(made).write_bytes(Path(record).read_bytes())
-    mapping, folder, file = (tmp_path / name for name in ("run1.yaml", "found", "found.json"))
+    record, mapping, file = (tmp_path / name for name in ("a.csv", "a.yaml", "found.json"))
+    record.write_bytes(Path(RECORDS[1]).read_bytes())
     mapping.write_text("frequency_hz: 6.0\nlevel: 2 of 2\n", encoding="utf-8")
-    command = ["identify", *records, *COMMON]
-    assert "run1.csv: the excitation oscillates" in answer(*command, code=2)
-    written = ["--json", "-", "--output", str(folder), "--no-figures"]
-    assert main([*command, "--frequency", "3.5", *written]) == 0
-    said = capsys.readouterr()
-    assert "Written to" in said.err
-    assert (folder / TABLES[0]).read_text(encoding="utf-8") == said.out
-    told = json.loads(said.out)
-    assert (told["options"]["stiffness_N_per_m"], told["options"]["frequency_hz"]) == (2310.0, 3.5)
-    assert (told["options"]["kind"], told["options"]["terms"]) == ("forced", ["F_k", "c"])
-    for one, name in zip(told["records"], records, strict=True):
-        assert one["record"] == name
-        assert one["sha256"] == hashlib.sha256(Path(name).read_bytes()).hexdigest()
+    command = ["identify", RECORDS[0], str(record), *COMMON]
+    assert "a.csv: the excitation oscillates" in answer(*command, code=2)
+    assert main([*command, "--frequency", "3.5", "--json", "-"]) == 0
+    told = json.loads(document := capsys.readouterr().out)
+    options = {"stiffness_N_per_m": 2310.0, "frequency_hz": 3.5, "kind": "forced"}
+    assert options.items() <= told["options"].items()
+    first, second = told["records"]
+    assert (first["record"], second["record"]) == (RECORDS[0], str(record))
+    assert second["sha256"] == hashlib.sha256(record.read_bytes()).hexdigest()
     digest = hashlib.sha256(mapping.read_bytes()).hexdigest()
-    assert told["records"][1]["mapping"] == {"file": str(mapping), "sha256": digest}
-    shown = answer(*command, "--frequency", "3.5", "--json", file, "--no-laws")
-    assert "usable within" in shown
-    assert f"Written to {file}." in shown
-    assert file.read_text(encoding="utf-8") == said.out
+    assert second["mapping"] == {"file": str(mapping), "sha256": digest}
+    assert "usable within" in answer(*command, "--frequency", "3.5", "--json", file, "--no-laws")
+    assert file.read_text(encoding="utf-8") == document
 
 
 @pytest.mark.parametrize(
     ("command", "name"),
     [
         ([*QUICK, "--output", ".", "--no-figures"], "identification.json"),
-        ([*QUICK, "--output", ".", "--no-figures"], "cycles.png"),
         ([*QUICK, "--json", "a.json"], "a.json"),
         ([*QUICK, "--report", "report.html"], "report.html"),
         ([*QUICK, "--write-mapping", "a.yaml"], "a.yaml"),
@@ -161,7 +137,7 @@ def test_nothing_is_replaced_unasked(command, name, tmp_path, monkeypatch, answe
 
 def test_what_is_asked_for_is_replaced_and_old_pictures_go(tmp_path, answer):
     for name in ("cycles.png", "identification.json"):
-        (tmp_path / name).write_text("of other records", encoding="utf-8")
+        (tmp_path / name).touch()
     said = answer(*QUICK, "--output", tmp_path, "--no-figures", "--overwrite")
     assert {path.name for path in tmp_path.iterdir()} == {*TABLES}
     assert "cycles" not in said.splitlines()[-1]
@@ -188,7 +164,6 @@ def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
         ([*QUICK, "--groups", "F_k"], "must be TERM=LABELS with a label for each record"),
         ([*QUICK, "--terms", "F_k,d"], "unknown term 'd'; known are F_k, c, "),
         ([*QUICK, "--given", "c=1", "--given", "c=1"], "--given: c is named twice: leave out one"),
-        ([*QUICK, "--residual"], "residual = True is for "),
         (QUICK[:3], "stiffness (--stiffness) is missing: forced records need it"),
         (["identify", *COMMON], "arguments are required: RECORD"),
         (["identify", "a\n" * 3000, *COMMON], "name too long: 'a\\na\\na"),
@@ -202,15 +177,6 @@ def test_what_makes_no_sense_is_refused_in_a_line(arguments, message, answer):
     assert len(said) < 1100
 
 
-def test_a_record_that_cannot_be_used_is_one_clear_error(tmp_path, answer):
-    table, file, output = pd.read_csv(RECORDS[0]), tmp_path / "first.csv", tmp_path / "out"
-    table.loc[500, "displacement_m"] = np.inf
-    table.to_csv(file, index=False)
-    said = answer("identify", file, *RECORDS[1:], *COMMON, "--output", output, code=2)
-    assert said.startswith(f"dampbalance identify: error: {file}: line 502: ")
-    assert not output.exists()
-
-
 def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, answer):
     files = [tmp_path / f"level{i}.csv" for i in (1, 2)]
     for path, file in zip(RECORDS[::2], files, strict=False):
@@ -218,15 +184,14 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, answer):
         columns.columns = ["Time", *(f"Channel {c}" for c in "ABC"[: columns.shape[1] - 1])]
         columns.to_csv(file, index=False)
     mapping, other = tmp_path / "channels.yaml", tmp_path / "other.csv"
+    other.write_text("Zeit/s,x/mm\n" + "".join(f"{i},{i * i}\n" for i in range(9)), "utf-8")
     command = ["identify", *files, *COMMON]
     assert f"in {files[0]}.yaml (--write-mapping writes it), for" in answer(*command, code=2)
+    draft = [*command[:3], "--write-mapping", mapping]  # which needs no stiffness
     # written only if all records can be read with it
-    other.write_text("Zeit/s,x/mm\n" + "".join(f"{i},{i * i}\n" for i in range(9)), "utf-8")
-    draft = ["identify", other, *files, "--write-mapping", mapping]
-    assert "level1.csv has no channel" in answer(*draft, code=2)
+    assert "level1.csv has no channel" in answer(draft[0], other, *draft[1:], code=2)
     assert not mapping.exists()
-    shown = answer(*command[:3], "--write-mapping", mapping)  # which needs no stiffness
-    written = mapping.read_text(encoding="utf-8")
+    shown, written = answer(*draft), mapping.read_text(encoding="utf-8")
     assert shown.startswith(f"{written}\nWritten to {mapping}. ")
     assert "is not allowed" in answer(*command, code=2)  # its blanks are still there
     columns = {"base_displacement": "Channel A", "displacement": "Channel B"}
@@ -235,26 +200,19 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, answer):
     assert "usable within" in answer(*command)
     mapping.write_text("notes: mine\n", encoding="utf-8")  # what a user has said stays
     assert 'notes: "mine"' in answer(*command, "--write-mapping", mapping, "--overwrite")
-    elsewhere = tmp_path / "b/of_table.yaml"
-    assert f"with --mapping {elsewhere} instead" in answer(
-        "identify", STEPPED, "--write-mapping", elsewhere
-    )
 
 
-@pytest.mark.parametrize("friction", ["100", "1e-6"], ids=["sticks", "no friction"])
-def test_responses_that_do_not_slip_are_said_to_be_so(friction, tmp_path, capsys, answer):
+def test_responses_that_do_not_slip_are_said_to_be_so(tmp_path, answer):
     records = []
     for i, amplitude in enumerate(("0.002", "0.004", "0.006"), start=1):
         records.append(str(tmp_path / f"run{i}.csv"))
-        command = f"simulate {records[-1]} --frequency 4 --amplitude {amplitude} --friction {friction} --seed {i}"
-        assert main([*command.split(), "--rate", "1000", "--cycles", "20", "--noise", "0.01"]) == 0
-    capsys.readouterr()
+        command = f"{records[-1]} --frequency 4 --amplitude {amplitude} --friction 100 --seed {i}"
+        answer("simulate", *command.split(), "--rate", 1000, "--cycles", 20, "--noise", 0.01)
     said = answer("identify", *records, *COMMON, "--mass", "2.42", "--details")
     assert "the records are those of a linear oscillator within their noise" in said
     assert "maximum likelihood" not in said  # nor a mass that such records hardly know
-    # nothing is known of a friction force that is too large; one that hardly acts has a limit, but no contact
-    F_k = "–" if friction == "100" else r"\S+ \[\S+, 0\.00\d+\]"
-    found = re.search(rf"^direct \* +{F_k} +\S+ \[(\S+), (\S+)\] +– ", said, re.MULTILINE)
+    # nothing is known of a friction force that is too large
+    found = re.search(r"^direct \* +– +\S+ \[(\S+), (\S+)\] +– ", said, re.MULTILINE)
     low, high = map(float, found.groups())
     assert abs(0.5 * (low + high) - 90.0) < high - low  # four standard errors
     assert high - low < 0.05 * 90.0
@@ -268,10 +226,8 @@ SLIDER = 1.28 / 208000.0
 SAME = [
     ("--sliders", f"{SLIDER!r}:108000,{SLIDER!r}:100000", ""),
     ("--sliders", "1e-4:5000 --friction 1.28", f"--sliders {SLIDER!r}:208000,1e-4:5000"),
-    ("--law", "c=90", ""),
     # a loss factor ωc/k is a damper c
     ("--law", f"eta={OMEGA * 90.0 / 2310.0!r}", ""),
-    ("--law", f"eta={OMEGA * 40.0 / 2310.0!r} --damping 50", ""),
     ("--law", f"eta={OMEGA * 90.0 / 2310.0!r},F_k=2.5", "--friction 2.5"),
 ]
 
@@ -292,39 +248,20 @@ def test_sliders_and_laws_are_what_damps_a_simulated_record(tmp_path, option, va
     assert (np.abs(same - plain).max() > 1e-5) == bool(other)
 
 
-def test_quadratic_damping_takes_what_harmonic_balance_gives_it(tmp_path):
-    path = tmp_path / "quadratic.csv"
-    X = 0.5 * np.ptp(simulated(path, *SMALL[:4], "--law", "c_2=300", "--friction", "0"))
-    stiff = 2310.0 - 2.42 * OMEGA**2
-    # the third harmonic is 1/5 of the damper's force against 8k, 1 % of X; sampled 200 times a cycle
-    force = np.hypot(stiff * X, 8.0 / (3.0 * np.pi) * 300.0 * (OMEGA * X) ** 2)
-    assert force == pytest.approx(2310.0 * 0.004, rel=0.03)
-
-
-TERMS = "symbols with their coefficients, as in c_2=40,eta=0.02"
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         ("--law c=1 --damping 2", "c is in --law and given by --damping as well"),
-        ("--law F_k=1,c_2=3 --friction 2", "F_k is in --law and given by --friction"),
         ("--law c_2[a]=1", "name the term alone"),
         ("--law c_2=1 --frequency 1e-4", "no more than 3,000 can be followed under such a law"),
-        ("--law c_2=40,", f"error: --law must be {TERMS}"),
+        ("--law c_2=40,", "error: --law must be symbols with their coefficients, as in c_2=40"),
         ("--law c_2=-1", "c_2 must be a number of N s²/m², 0 to 1e+30, got -1"),
-        ("--law c_2=1,c_2=3", "c_2 appears twice"),
         ("--cycles 1e-4", "at least 2 are needed"),
         ("--rate 1e12", "memory ran out: ask for less"),
         ("--frequency 1e-8", "no more than 300,000 can be followed; ask for a higher --frequency"),
-        (
-            "--frequency 0",
-            "error: --frequency must be a positive number of Hz, 1e-30 to 1e+30, got 0",
-        ),
-        ("--seed -1", "must be a whole number, 0 to"),
+        ("--frequency 0", "--frequency must be a positive number of Hz, 1e-30 to 1e+30, got 0"),
         ("--decimals 1", "constant when rounded to 1 decimals"),
         ("--sliders 1e-4", "must be pairs r:kappa"),
-        ("--sliders 1e-4:-5", "positive"),
         ("--sliders 1e-4:5 --law c_2=1", "leave out one"),
     ],
 )

@@ -40,30 +40,22 @@ def edited(config, key, value):
     return changed
 
 
-def set_with(**more):
-    return [{"name": "set", "records": ["a.csv"], "stiffness_N_per_m": 1.0, **more}]
-
-
+SET = {"name": "set", "records": ["a.csv"], "stiffness_N_per_m": 1.0}
 WRONG = [
     ("oscillator.m_kg", -2.42, "line 6: oscillator.m_kg: -2.42 is not allowed. Mass m, kg; pos"),
     ("oscillator.k_N_per_m", "2310", "k_N_per_m: '2310' is text to YAML; write it without quotes"),
     ("as_published.step_s", "5e-6", "as_published.step_s: '5e-6' is text to YAML; write 5.0e-6"),
     ("oscillator.m_g", 2.0, "oscillator.m_g: unknown key (did you mean m_kg?); known here: m_kg"),
     ("oscillator.F_k_N", math.nan, "oscillator.F_k_N: nan is not a finite number"),
-    ("oscillator.c_N_s_per_m", True, "oscillator.c_N_s_per_m: True is not allowed"),
     ("as_published.cycles", 20.0, "as_published.cycles: 20.0 is not allowed"),
-    ("excitation.levels_m", [0.004], "excitation.levels_m: [0.004] is not allowed"),
     ("excitation.levels_m", [4e-3, 6e-3, 8e-3, 0.01, 4.00000001e-3], "is the same as level 1 to"),
     ("excitation.frequencies.0.name", "a/b", "frequencies[1].name: 'a/b' cannot be a name"),
-    ("excitation.frequencies.0.name", "a\n", "frequencies[1].name: 'a\\n' cannot be a name"),
     ("excitation.frequencies.0.name", "OMEGA2", "frequencies[2].name: omega2 stands twice"),
     ("as_published.tabulated.X_s_mark_m", 1e-6, "X_s_mark_m: not together with X_s_decimals"),
     ("estimation.pairs", [[1, 6]], "estimation.pairs[1]: there is no level 6: excitation.levels_m"),
     ("estimation.pairs", [[2, 2]], "estimation.pairs[1]: [2, 2] is not allowed"),
-    ("estimation.phase", "lag", "estimation.phase: 'lag' is not allowed"),
-    ("measured", set_with(stiffness_N_per_m=1e300), "measured[1].stiffness_N_per_m: 1e+300 is not"),
-    ("measured", set_with(skip_cycles=2**62), "measured[1].skip_cycles"),
-    ("measured", set_with(given={"c": 1e300}), "measured[1].given.c"),
+    ("measured", [SET | {"stiffness_N_per_m": 1e300}], "[1].stiffness_N_per_m: 1e+300 is not"),
+    ("measured", [SET | {"given": {"c": 1e300}}], "measured[1].given.c"),
 ]
 
 

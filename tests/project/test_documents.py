@@ -46,14 +46,11 @@ HOSTILE = [
     (bomb("[x]", "[%s]"), "more than 20,000 values"),
     (bomb("{x: 1}", "{<<: [%s]}"), "line 6: not readable as YAML: too many values"),
     ("a: &a [*a]", "more than 20 lists and mappings inside each other"),
-    ("[" * 30_000, "more than 20 lists and mappings inside each other"),
-    ("a: 1\nb: 2026-13-45", "line 2: not readable as YAML: the value cannot be read (month"),
     ("a: !!int ''", "line 1: not readable as YAML: the value cannot be read (string index"),
     ("a: 1\nb:\n  a: 2\n  a: 3", "line 4: not readable as YAML, while constructing a mapping (beg"),
     ("a:\n\t- 1", "indent with spaces, not with tabs"),
     ("? [a, {b: c}]\n: d", "not readable as YAML: unhashable type: 'dict'"),
     ("a: *" + "x" * 50_000, "line 1: not readable as YAML"),
-    ("a: 1\n---\nb: 2", "line 2: not readable as YAML"),
     ("a: \x07", "the character U+0007 cannot stand in YAML; remove it"),
     ("a: !!python/object/apply:os.system [ls]", "line 1: not readable as YAML: could not deter"),
     ("a: x" + "x" * MOST_BYTES, "has more than 100,000 bytes"),
@@ -75,14 +72,15 @@ def test_only_regular_files_are_read(tmp_path):
 
 
 def test_anchors_merges_and_an_empty_file_are_read(tmp_path):
-    file = tmp_path / "fine.yaml"
-    file.write_text("a: &a {x: 1, y: 2}\nb: {<<: *a, y: 3}\n", encoding="utf-8")
-    assert read_yaml(file) == {"a": {"x": 1, "y": 2}, "b": {"x": 1, "y": 3}}
-    file.write_text("# nothing\n", encoding="utf-8")
-    assert read_yaml(file) == {}
+    for text, held in (
+        ("a: &a {x: 1, y: 2}\nb: {<<: *a, y: 3}\n", {"a": {"x": 1, "y": 2}, "b": {"x": 1, "y": 3}}),
+        ("# nothing\n", {}),
+    ):
+        (tmp_path / "fine.yaml").write_text(text, encoding="utf-8")
+        assert read_yaml(tmp_path / "fine.yaml") == held
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(5))
 def test_a_file_with_errors_put_into_it_is_read_or_refused(tmp_path, seed):
     draw = random.Random(seed)
     data = bytearray((ROOT / "config/config.yaml").read_bytes())
@@ -99,9 +97,7 @@ UNUSABLE = [
     (f"a: [1, {2**63}]", "line 1: a[2]: the number is too large; correct it"),
     ("b: 1\na: .inf", "line 2: a: inf is not a finite number"),
     ("~: 2", "None: unknown key; known here: a, list"),
-    ('"\\0": 2', "�: unknown key; known here: a, list"),
     ("lisst: 2", "line 1: lisst: unknown key (did you mean list?)"),
-    ("a: !!set {b, c}", "is not allowed"),
     (f"a: {{x: {'x' * 60_000}}}", f"a: {{'x': '{'x' * 52}… is not allowed"),
     (f"list: [{'1, ' * 5000}1]", "… and 4981 more"),  # of 5,001 in all
 ]

@@ -1,4 +1,4 @@
-"""The article of the paper's case, built in a folder of its own by the scripts of the workflow.
+"""Article and page of the paper's case, the article built in a folder of its own by the scripts of the workflow.
 
 The routes are computed in memory, the studies are those of `config/studies`, except the step (three of them only)
 and the map (fewer oscillators).
@@ -24,6 +24,10 @@ from dampbalance import figures, steady_orbit
 from dampbalance.figures import style
 from dampbalance.project.files import EVERY_DIGIT, read_csv, write_csv, write_json, write_rows
 from dampbalance.publishing.article import compiling
+from dampbalance.publishing.page.report import PageContent, report_page
+from dampbalance.replication.numbers import by_key, with_claims
+from dampbalance.studies.reading_study import read_study
+from dampbalance.studies.shown.paragraph import paragraph
 from dampbalance.studies.shown.study_figure import alternative_text, study_figure
 from dampbalance.studies.study_file import PAPER_CASE
 from folders import PUBLISHED
@@ -47,6 +51,7 @@ COARSER = {
     "map": ("count: 262144", "count: 1024"),
 }
 FIRST = next(iter(CASE.frequencies_hz))
+PAGE = f"{RESULTS}/report.html"
 
 
 @dataclass(frozen=True)
@@ -180,3 +185,38 @@ def _figures(project: Project) -> None:
     }
     for name, figure in others.items():
         project.save(figure, f"{RESULTS}/figures/{name}.svg", None, figures.ALT[name])
+
+
+def page_content(folder: Path, article: Path) -> PageContent:
+    """Everything the page shows, through the files of the pipeline where digits are lost in them.
+
+    folder : for what is made here, a smaller study.   article : that of the article, with all else.
+    """
+
+    def text(file: Path) -> str:
+        return file.read_text(encoding="utf-8")
+
+    made, steps = article / RESULTS, article / f"{STUDIES}/step_size"
+    claims = read_csv(made / "claims.csv", dtype=str)
+    frequency, cases = computed("frequency", folder, ("count: 441", "count: 45"))
+    drawn = folder / "figure.svg"
+    style.save_svg(study_figure(frequency, cases), drawn, alternative_text(frequency))
+    derived = dict(read_csv(made / "derived.csv", dtype=str)[["id", "value"]].to_numpy())
+    names = ("figure3", "estimation_error", "numerics", "glance")
+    return PageContent(
+        case=CASE,
+        config=CONFIG,
+        claims=claims,
+        numbers=by_key(with_claims(read_csv(made / "numbers.csv"), claims)),
+        figures={name: text(made / f"figures/{name}.svg") for name in names},
+        derived={**derived, "study.frequency.paragraph": paragraph(frequency, cases)[0]},
+        studies=[
+            (frequency, text(drawn)),
+            (read_study(steps.with_suffix(".yaml")), text(steps / "figure.svg")),
+        ],
+    )
+
+
+def page_of(made: PageContent) -> str:
+    """The page, as it would stand among the results."""
+    return report_page(made, PAGE)

@@ -32,10 +32,10 @@ def report(article, tmp_path_factory):
     """The folder with the page of the paper's case, report.html, and what it shows."""
 
     def make(folder):
-        from publishing.page_case import page_of, results
+        from publishing.article_case import page_content, page_of
 
         (folder / "files").mkdir()
-        made = results(folder / "files", article.folder)
+        made = page_content(folder / "files", article.folder)
         (folder / "report.html").write_text(page_of(made), encoding="utf-8")
         (folder / "shown.pickle").write_bytes(pickle.dumps(made))
 

@@ -18,12 +18,9 @@ import pytest
 from dampbalance import BaseMotion, Regime, steady_orbit, steady_orbits
 from dampbalance.motion.integrals import Measures
 from dampbalance.publishing import engine as builder
-from folders import ROOT
 from paper_case import PAPER
 from processes import output_of
-from processors import PROCESSORS
 
-BUILDER = ROOT / ".venv-engine/bin/python"
 NAMES = ("m", "c", "k", "K_z", "F_k", "Y", "omega")
 SCRIPT, ENGINE = builder.FOLDER / "engine.js", builder.FOLDER / builder.ENGINE
 IN_NODE = """
@@ -43,54 +40,31 @@ def ask(function, given):
 
 def columns(answers: list[dict[str, float | None]]) -> dict[str, np.ndarray]:
     """Features by name from those by case; JSON writes NaN as null."""
-    return {
-        name: np.array([one[name] for one in answers], dtype=float)
-        for name in answers[0]
-        if name != "regime"
-    }
-
-
-def drawn(rng, count, stiffest, slowest):
-    """Oscillators and motions all over the place, `stiffest` in K_z/k and down to ω_n/ω = 1/`slowest`."""
-
-    def within(low, high):
-        return np.exp(rng.uniform(math.log(low), math.log(high), count))
-
-    m, k, Y = within(0.1, 10.0), within(10.0, 1e4), within(1e-4, 0.1)
-    c = 2.0 * within(1e-4, 3.0) * np.sqrt(k * m) * (rng.random(count) > 0.03)
-    K_z, omega = k * within(0.3, stiffest), np.sqrt(k / m) * within(1.0 / slowest, 5.0)
-    F_k = k * Y * within(1e-3, 2.0) * (rng.random(count) > 0.02)
-    return np.array([m, c, k, K_z, F_k, Y, omega])
+    names = answers[0].keys() - {"regime"}
+    return {name: np.array([one[name] for one in answers], dtype=float) for name in names}
 
 
 def cases() -> np.ndarray:
-    """Cases of every regime, (7, n): a tenth with contacts up to nearly rigid, a tenth at the edges between regimes,
-    and some that have no steady orbit."""
+    """Cases of every regime, (7, n): oscillators and motions all over the place, contacts up to nearly rigid, some at
+    the edge of sticking, and some that have no steady orbit."""
     rng = np.random.default_rng(27)
-    m, c, k, K_z, _, Y, omega = edge = drawn(rng, 100, 300.0, 20.0)
-    # where the contact only sticks, it moves with this amplitude
-    linear = k * Y / np.hypot(k + K_z - m * omega**2, c * omega)
+
+    def within(low, high):
+        return np.exp(rng.uniform(math.log(low), math.log(high), 2000))
+
+    m, k, Y = within(0.1, 10.0), within(10.0, 1e4), within(1e-4, 0.1)
+    c = 2.0 * within(1e-4, 3.0) * np.sqrt(k * m) * (rng.random(2000) > 0.03)
+    K_z, omega = k * within(0.3, 300.0), np.sqrt(k / m) * within(0.05, 5.0)
+    K_z[:200] *= 3e3
+    omega[:200] = np.maximum(omega[:200], 0.5 * np.sqrt(k / m)[:200])
+    F_k = k * Y * within(1e-3, 2.0) * (rng.random(2000) > 0.02)
+    edge = slice(200, 300)  # where the contact only sticks, it moves with this amplitude
+    linear = (k * Y / np.hypot(k + K_z - m * omega**2, c * omega))[edge]
     near = rng.choice([-1.0, 1.0], 100) * 10.0 ** rng.uniform(-9.0, -1.0, 100)
-    edge[4] = K_z * linear * (1.0 - near)
-    # between one slip and several: by bisection in F_k
-    low = drawn(rng, 600, 300.0, 10.0)
-    high = low.copy()
-    low[4] *= 0.1
-    differ = (regimes(low) == Regime.ONE_SLIP) & (regimes(high) == Regime.SEVERAL_SLIPS)
-    low, high = low[:, differ], high[:, differ]
-    assert low.shape[1] > 20
-    for _ in range(20):
-        middle = (low + high) / 2.0
-        several = regimes(middle) == Regime.SEVERAL_SLIPS
-        low, high = np.where(several, low, middle), np.where(several, middle, high)
+    F_k[edge] = K_z[edge] * linear * (1.0 - near)
     n = np.arange(1.0, 21.0)
     resonant = np.array([n**0, 0 * n, n**2, n, 0 * n, n, n])
-    others = drawn(rng, 1600, 300.0, 20.0), drawn(rng, 200, 1e6, 2.0)
-    return np.hstack([*others, edge, low, high, resonant])
-
-
-def regimes(parameters):
-    return steady_orbits(**dict(zip(NAMES, parameters, strict=True))).regime
+    return np.hstack([[m, c, k, K_z, F_k, Y, omega], resonant])
 
 
 @needs_node
@@ -103,7 +77,7 @@ def test_orbits_of_every_regime_are_those_of_python():
     assert [one["regime"] for one in answers] == words
     assert set(words) == {regime.name.replace("_", " ").lower() for regime in Regime}
 
-    _, c, k, _, _, Y, omega = parameters
+    m, c, k, _, _, Y, omega = parameters
     X, work = exact.X, k * Y * exact.X
     # b follows from what c dissipates, to a rounding of the energies that the motion exchanges
     dissipating = np.divide(work, c, out=np.zeros_like(c), where=c > 0.0)
@@ -120,7 +94,10 @@ def test_orbits_of_every_regime_are_those_of_python():
         assert np.nanmax(error) < 1e-12, name
     for n in (1, 3, 5):  # a harmonic that vanishes has a phase of rounding alone
         ours, theirs = (of[f"X_{n}"] * np.exp(1j * of[f"phi_{n}"]) for of in (vars(exact), found))
-        assert np.nanmax(np.abs(theirs - ours) / X) < 1e-12, n
+        # at a resonance of its own it magnifies roundings of the force
+        stiffness = np.abs(k - m * (n * omega) ** 2 + 1j * n * c * omega)
+        error = np.abs(theirs - ours) / X * np.minimum(1.0, stiffness / k)
+        assert np.nanmax(error) < 1e-13, n
     np.testing.assert_array_equal(found["phi_fundamental"], found["phi_1"])
     np.testing.assert_allclose(found["Z_m"], parameters[4] / parameters[3], rtol=1e-15)
     assert set(found) == {*Measures._fields, "phi_fundamental", "Z_m"}
@@ -128,9 +105,7 @@ def test_orbits_of_every_regime_are_those_of_python():
 
 LISTED = """(engine, given) => Object.fromEntries(
   Object.entries(engine.cycle(given, 65)).map(([name, row]) => [name, Array.from(row)]))"""
-REFUSED = (
-    "(engine, given) => { try { engine.steady(given); } catch (error) { return error.message; } }"
-)
+REFUSED = "(engine, given) => { try { engine.steady(given); } catch (no) { return no.message; } }"
 SHAKEN = asdict(PAPER) | {"Y": 0.008, "omega": 2.0 * math.pi * 4.92}
 
 
@@ -157,12 +132,8 @@ def test_a_cycle_is_the_motion_from_one_reversal_to_the_next(change):
 # --- what it is made of ---------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def record():
-    return json.loads((builder.FOLDER / builder.RECORD).read_text("utf-8"))
-
-
-def test_the_engine_is_made_of_the_sources_here(record, tmp_path, monkeypatch):
+def test_the_engine_is_made_of_the_sources_here(tmp_path, monkeypatch):
+    record = json.loads((builder.FOLDER / builder.RECORD).read_text("utf-8"))
     stale = "a kernel was edited: run `make engine`, and commit what it writes"
     sources = list(record["sources"])
     assert record["sources"] == builder.source_digests(sources), stale
@@ -174,13 +145,3 @@ def test_the_engine_is_made_of_the_sources_here(record, tmp_path, monkeypatch):
     with (tmp_path / "motion/flow.py").open("a", encoding="utf-8") as file:
         file.write("# edited\n")
     assert record["sources"] != builder.source_digests(sources)
-
-
-@pytest.mark.skipif(not BUILDER.exists(), reason="no environment of the engine: make engine")
-def test_its_sources_make_the_same_bytes_on_another_processor(record, tmp_path):
-    other = PROCESSORS["without-avx2"] | {"PYTHONPATH": str(ROOT / "src")}
-    output_of(BUILDER, "-m", "dampbalance.publishing.engine", tmp_path, folder=tmp_path, **other)
-    made = json.loads((tmp_path / builder.RECORD).read_text("utf-8"))
-    if any(made[name] != record[name] for name in ("python", "tools")):
-        pytest.skip("the engine here was made with another Python or other tools")
-    assert (tmp_path / builder.ENGINE).read_bytes() == ENGINE.read_bytes()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import shutil
@@ -55,12 +56,8 @@ def responses(features):
 def test_rows_and_solution_in_the_browser_are_those_of_the_package(frequency):
     features = Features.from_frame(exact(PAPER).features[frequency])
     lacking = features.replaced(X_s=np.where(np.arange(5) == 1, np.nan, features.X_s))
-    ways = [
-        (name, phase, shared)
-        for name in APPROACHES
-        for phase in (PHASES if takes_phase(name) else PHASES[:1])
-        for shared in (False, True)
-    ]
+    ways = [*itertools.product(APPROACHES, PHASES, (False, True))]
+    ways = [way for way in ways if takes_phase(way[0]) or way[1] == PHASES[0]]
     call = f"{json.dumps(ways)}.map(([name, ...way]) => kit.rows(name, given, ...way))"
     for chosen in (features, lacking):
         got = in_node(f"{call}.map(rows => [rows, kit.solve(rows)])", responses(chosen))
@@ -78,21 +75,10 @@ def test_rows_and_solution_in_the_browser_are_those_of_the_package(frequency):
                 assert solution[symbol] == pytest.approx(float(estimate[symbol]), rel=1e-11)
 
 
-OWN = replace(  # stiffer and lighter; the lowest level does not slip
-    CASE,
-    name="own",
-    oscillator=Oscillator(m=0.31, c=3.7, k=9123.4, K_z=45600.0, F_k=2.5),
-    frequencies_hz={"low": 14.25, "high": 40.125},
-    levels_m=(2e-4, 5e-4, 8e-4, 1.1e-3),
-    pairs=((1, 2), (2, 3)),
-)
+BARE = replace(CASE, oscillator=Oscillator(m=1e-3, c=0.0, k=5.0, K_z=2.0, F_k=0.0))
 
 
-@pytest.mark.parametrize(
-    "case",
-    [CASE, OWN, replace(OWN, oscillator=Oscillator(m=1e-3, c=0.0, k=5.0, K_z=2.0, F_k=0.0))],
-    ids=["paper", "own", "bare"],
-)
+@pytest.mark.parametrize("case", [CASE, BARE], ids=["paper", "bare"])
 def test_sliders_hold_the_case(case):
     made = slider_controls(case)
     held = {"Y": [1e3 * Y for Y in case.levels_m], "f": case.frequencies_hz.values()}
@@ -104,8 +90,7 @@ def test_sliders_hold_the_case(case):
         assert slider["value"] == pytest.approx(next(iter(values)), rel=1e-14)
         if not slider.get("log"):
             assert (slider["max"] - slider["min"]) / slider["step"] >= 100
-    assert made["Y"]["min"] > 0.0
-    assert made["f"]["min"] > 0.0
+    assert min(made["Y"]["min"], made["f"]["min"]) > 0.0
 
 
 # --- in a browser ---------------------------------------------------------------------------------
