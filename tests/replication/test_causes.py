@@ -21,7 +21,6 @@ OTHER_SCHEME = replace(CASE, numerics=replace(CASE.numerics, scheme="rk4"))
 EFFECTIVE = 37.19 * 2.42 + 2.42 * (2.0 * math.pi * 4.92) ** 2 * 5e-6
 MISFITS = {"plus": 0.4, "minus": 4.03, "minus alone": 0.34}
 MARKS = (0.01130, 0.01135)
-ROUTES = {"exact": "exact", "as published": "as_published", "from print": "from_print"}
 
 
 def joined(printed, case=CASE, column=MARKS, allowed=None, others=None, **row):
@@ -163,23 +162,6 @@ def test_a_pair_without_a_simulated_b_has_no_other():
 
 
 # ---- What is said of the paper's case --------------------------------------------------------------------------------
-
-
-def test_every_distance_is_that_of_its_row(computed):
-    found = 0
-    pattern = r"(?i)(exact|as published|from print): ([\d.]+) (units? of the last digit|%) (above|below) print"
-    for _, row in computed.iterrows():
-        for route, far, measure, side in re.findall(pattern, row["explanation"]):
-            printed, value = Printed(row["printed"]), float(row[ROUTES[route.lower()]])
-            off = (value - printed.value) / printed.unit
-            assert (side == "above") == (off > 0.0)
-            share = 100.0 * abs(value / printed.value - 1.0)
-            distance = abs(off) if measure.startswith("unit") else share
-            # two digits, or whole per cents; the value is shown to 1e-4 of a unit
-            assert float(far) == pytest.approx(distance, rel=0.051, abs=6e-5)
-            assert (abs(off) < 20.0) == measure.startswith("unit")
-            found += 1
-    assert found > 60
 
 
 @pytest.mark.parametrize(

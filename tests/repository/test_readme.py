@@ -40,17 +40,14 @@ def test_the_verdicts_are_those_on_record():
     recorded = recorded.merge(kinds, on="id", validate="one_to_one")
     block = RESULTS.split("<!-- verdicts", 1)[1].split("-->", 1)[1].split("<!-- end", 1)[0]
     counted = counts(recorded)
-    rows = {
-        "numbers": [count.part for count in counted],
-        "computed": [count.computed for count in counted],
-        **{name: [count.of_verdict[name] for count in counted] for name in VERDICTS},
-        "given": [count.given for count in counted],
-        "statements": [count.statements for count in counted],
-        "statements that hold": [count.statements_held for count in counted],
-    }
+    names = ["numbers", "computed", *VERDICTS, "given", "statements", "statements that hold"]
+    columns = [
+        (of.part, of.computed, *of.of_verdict.values(), of.given, of.statements, of.statements_held)
+        for of in counted
+    ]
     table = [line.strip("| ").split(" | ") for line in block.strip().splitlines()]
     del table[1]  # the rule below the head
-    assert table == [[name, *map(str, row)] for name, row in rows.items()]
+    assert table == [[*map(str, row)] for row in zip(names, *columns, strict=True)]
     total = counted[-1].of_verdict
     exact = sum(total[name] for name in ("reproduced", "simulated", "from print"))
     near = sum(total[name] for name in ("last digit", "reading", "propagated"))
