@@ -9,11 +9,8 @@ from dampbalance.features import Features, of_orbit, stack
 
 PAPER = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)
 LEVELS = (0.004, 0.006, 0.008, 0.010, 0.012)  # m
-FREQUENCIES_HZ = {
-    "omega1": 4.92,
-    "omega2": 3.5,
-    "omega3": 11.1,
-}  # near, below and above the resonance
+# near, below and above the resonance
+FREQUENCIES_HZ = {"omega1": 4.92, "omega2": 3.5, "omega3": 11.1}
 PAIRS = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 4)]  # of levels, as in Table 3
 NEAR = FREQUENCIES_HZ["omega1"]
 OMEGA = 2.0 * math.pi * NEAR

@@ -26,7 +26,7 @@ def imported(module: str, path: Path, text: str | None = None, *, types: bool = 
     unseen = {
         one
         for node in ast.walk(tree)
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" and not types
+        if not types and isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
         for one in ast.walk(node)
     }
     for node in ast.walk(tree):

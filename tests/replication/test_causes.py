@@ -14,7 +14,7 @@ import pytest
 from dampbalance.features import of_numbers
 from dampbalance.replication.claims import causes
 from dampbalance.replication.claims.printed import PAIR_LABELS, Printed
-from paper_case import LEVELS
+from paper_case import LEVELS, PAPER, orbits_at
 from replication.routes import CASE, PRINT
 
 OTHER_SCHEME = replace(CASE, numerics=replace(CASE.numerics, scheme="rk4"))
@@ -153,20 +153,57 @@ def test_the_b_that_a_pair_implies_is_as_sharp_as_what_is_printed(level):
     assert set(contradicted) == {True, False}
 
 
-def test_a_b_with_which_no_other_pair_balances_its_level_is_refuted_with_its_pairs():
-    """b_1 = (W_1 − a_1 F_k)/c is 7.272889e-4 by the pairs 1-2 and 1-5, 1.0e-8 less by all others."""
-    of_pairs, of_cell = causes.implied_b(PRINT, 1)
-    assert of_cell == ""
-    assert "b_1 and F_k and c of the pairs 1-2 and 1-5 are judged alike" in of_pairs
-    used, wanted = re.findall(r"(0\.0007272\d+) to (0\.0007272\d+)", of_pairs)
-    assert [float(end) for end in used] == pytest.approx([7.272889e-4] * 2, abs=3e-10)
-    assert [float(end) for end in wanted] == pytest.approx([7.27279e-4] * 2, abs=2e-9)
-    assert all(causes.implied_b(PRINT, level) == ("", "") for level in (2, 3, 4, 5))
-
-
 def test_a_pair_without_a_simulated_b_has_no_other():
     """Where a level does not slip, one of the features is missing."""
     simulated = of_numbers(CASE.omega("omega1"), "", Y=LEVELS, a=LEVELS, b=[math.nan] * 5, W=LEVELS)
     row = PRINT.rows["table2.c.1-2"]
     sources = SimpleNamespace(published=PRINT, as_published=simulated)
     assert causes.other_b(SimpleNamespace(sources=sources, row=row, key=row.key)) == ""
+
+
+# ---- What is said of the paper's case --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("words", "start"),
+    [
+        ("velocity reversal", "table1.phi"),
+        ("The microstick phase lasts", "table1.t_s"),
+        ("Leaving out these steps", "table1.t_s.4"),  # which alone would be a tenth more
+        ("Read at the corner", "table1.V_s"),
+        ("This start was chosen", "table2.a."),
+        ("Slip of sign", "table3.V_s."),
+        ("Over the five", "text."),
+    ],
+)
+def test_a_cause_is_named_where_it_acts_and_nowhere_else(computed, words, start):
+    named = computed.index[computed["explanation"].str.contains(words)]
+    assert len(named) > 0
+    assert named.str.startswith(start).all()
+    if start.startswith("table"):
+        assert set(computed.index[computed.index.str.startswith(start)]) == set(named)
+
+
+def test_what_moves_an_estimate_of_table_3_adds_up(computed):
+    """Of X_s and t_s: the causes named, in the order of their size, leave less than they explain. What is read is close
+    to what there is to read: X, and the microstick line, 2Z_m long, to a micrometre."""
+    moved = lengths = peaks = 0
+    orbits = orbits_at()
+    for name, row in computed[computed.index.str.startswith("table3.")].iterrows():
+        words = row["explanation"]
+        moves = [float(m) for m in re.findall(r"\(([+-][\d.]+) N(?: s/m)?\)", words)]
+        if moves and not name.startswith("table3.V_s"):
+            off = float(row["as_published"]) - float(row["exact"])
+            assert moves == sorted(moves, key=abs, reverse=True)
+            assert abs(off - sum(moves)) < 0.5 * max(abs(off), Printed(row["printed"]).unit), name
+            moved += 1
+        for length in re.findall(r"X \+ X_s read as (\d+) µm", words):
+            assert abs(float(length) - 2e6 * PAPER.Z_m) < 1.0
+            lengths += 1
+        for both in re.findall(r"X read as ([\d.]+) mm and ([\d.]+) mm", words):
+            for level, read in zip(name.split(".")[-1].split("-"), both, strict=True):
+                assert abs(1e-3 * float(read) - orbits[int(level) - 1].X) < 2e-6
+                peaks += 1
+    assert moved >= 15
+    assert lengths > 0
+    assert peaks > 20

@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from dampbalance import balance
 from dampbalance.project.files import write_csv
 from dampbalance.replication import authors_route as authors
 from dampbalance.replication.claims import table
@@ -17,7 +16,7 @@ from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.printed import Printed, read_texts
 from dampbalance.replication.claims.table import check_claims, claims_table
 from dampbalance.replication.claims.verdicts import HOLDING, ROUTE_NAMES, VERDICTS
-from dampbalance.replication.numbers import HARMONIC_APPROACHES, by_key, number
+from dampbalance.replication.numbers import by_key
 from folders import PUBLISHED
 from replication import routes
 from replication.routes import CASE, PAPER, PRINT, as_published, exact, judged, sources_of
@@ -124,14 +123,6 @@ def test_one_route_judges_all_statements_and_print_does_not_decide_on_the_70_per
     assert float(rows["as_published"]["text.accuracy_omega3"]) == pytest.approx(66.46, abs=0.005)
 
 
-def test_effective_damping_in_the_explanations_is_that_of_the_estimates():
-    """c + m ω² h against the c that the as-published simulation gives: 2e-4 is 2 % of the shift of 0.0116."""
-    effective = 90.0 + 2.42 * CASE.omega("omega1") ** 2 * 5e-6
-    fit = {"frequency": "omega1", "quantity": "c", "unit": "N s/m", "kind": "least_squares"}
-    identified = number(sources_of().numbers, "as_published", approach="direct", **fit)
-    assert identified == pytest.approx(effective, abs=3e-4)
-
-
 def test_page_and_summary_have_a_line_per_claim_and_count_them(claims, computed, recorded):
     page = table.claims_markdown(claims)
     assert len(re.findall(r"^\| (?!where)(?:[^|\n]*\|){13}$", page, re.MULTILINE)) == len(claims)
@@ -139,23 +130,17 @@ def test_page_and_summary_have_a_line_per_claim_and_count_them(claims, computed,
     assert text.startswith("133 verdicts as on record.\n\n")
     counts = [len(computed), *((computed["verdict"] == name).sum() for name in VERDICTS), 27, 6]
     assert re.search(rf"^all +{' +'.join(map(str, counts))}$", text, re.MULTILINE)
-    assert re.search(r"^Text +18 .* 0 +6$", text, re.MULTILINE)
     assert "has 27 of 27 given inputs; 5 of 6 statements hold" in text
-    left = claims[~claims["verdict"].isin(HOLDING)]
-    for row in left.to_dict("records"):
-        (line,) = re.findall(rf"^  {re.escape(row['id'])} .*$", text, re.MULTILINE)
-        assert f"{row['verdict']}  " in line
-        assert any(f" {row[route]} {words}" in line for route, words in ROUTE_NAMES.items())
-    assert "table1.X.1" not in text
+    left = set(claims["id"][~claims["verdict"].isin(HOLDING)])
+    assert left == set(re.findall(r"^  (\w+\.\S+) ", text, re.MULTILINE))
 
 
-def test_summary_opens_with_the_worst_in_lines_that_fit_a_screen(recorded):
+def test_summary_opens_with_the_ten_that_are_farthest_off(recorded):
     changed = judged(oscillator=replace(PAPER, F_k=1.02 * PAPER.F_k))
     offences = check_claims(changed, recorded)
     opening, _, rest = table.summary(changed, offences).partition("\n\n")
     sentence, _, _, *rows = opening.splitlines()
     assert sentence == f"{len(offences)} of {len(changed)} {table.WORSE}; the results are built."
-    assert max(map(len, opening.splitlines())) <= 120
     off = changed.set_index("id")["off_relative"].replace("", "0").astype(float).abs()
     shown = [off[row.split()[0]] for row in rows]
     assert shown == sorted(off[offences["id"]], reverse=True)[:10]
@@ -180,8 +165,6 @@ def test_a_changed_parameter_is_found(recorded, name, factor):
         assert changed - {"table2.b.1"} <= set(found["id"])  # b_1 differs as it is
         line = found.set_index("id").loc["parameter.c"]
         assert (line["was"], line["now"]) == ("reproduced", "differs")
-        for word in ("parameter.c", "printed 90.0", "91", "was reproduced", "now differs"):
-            assert word in line["message"]
 
 
 def test_a_parameter_that_only_rounds_to_the_printed_one_is_found(recorded):
@@ -202,35 +185,6 @@ def test_a_changed_printed_digit_is_found(recorded):
     assert offences["message"].str.contains("on record, now read as").all()
 
 
-@pytest.mark.parametrize("approach", HARMONIC_APPROACHES)
-def test_a_flipped_sign_in_a_row_is_found(monkeypatch, recorded, approach):
-    """The friction travel 2(X − X_s), 2X(1 + cos ωt_s), 2X(1 + √…) with the other sign between its two terms."""
-    right = balance.APPROACHES[approach]
-
-    def flipped(features, k):
-        rows = right(features, k)
-        return replace(rows, terms=rows.terms | {"F_k": 4.0 * features.X - rows.terms["F_k"]})
-
-    for approaches in (balance.APPROACHES, authors.APPROACHES_OF_TABLE_3):
-        if approaches[approach] is right:
-            monkeypatch.setitem(approaches, approach, replace(right, rows=flipped))
-    computed = (exact, as_published, sources_of)  # what is read off the simulation has no rows
-    try:
-        for route in computed:
-            route.cache_clear()
-        found = set(check_claims(judged(), recorded)["id"])
-    finally:
-        for route in computed:
-            route.cache_clear()
-    expected = {f"text.{s}_{approach.replace('_', '')}_ls" for s in ("F_k", "c", "residual")}
-    # the V_s columns are made by the row with the slip of sign, which is not flipped here
-    if approach != "V_s":
-        expected |= cells(f"table3.{approach}.F_k", of=PAIRS)
-    assert expected <= found
-    others = tuple(f"table3.{name}" for name in HARMONIC_APPROACHES if name != approach)
-    assert not any(name.startswith(others) for name in found)
-
-
 def test_the_plus_sign_of_table_3_is_needed(recorded):
     """Without the slip of sign the V_s columns are not obtained."""
     route = as_published()
@@ -249,10 +203,7 @@ def test_missing_and_new_claims_are_found(claims, recorded):
     found = check_claims(lost, recorded)
     assert found["id"].tolist() == ["table1.X.1"]
     assert "no claim any more" in found["message"].iloc[0]
-    opening = table.summary(lost, found).partition("\n\n")[0]
-    assert opening.startswith(f"1 of {len(lost)} {table.WORSE}")
-    assert opening.splitlines()[-1].split() == ["table1.X.1", "0.00273", "no", "claim"]
-
+    assert "table1.X.1" in table.summary(lost, found)
     found = check_claims(claims, recorded[recorded["id"] != "text.phi_mean"])
     assert found["id"].tolist() == ["text.phi_mean"]
     assert "not on record" in found["message"].iloc[0]

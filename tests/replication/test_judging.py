@@ -114,25 +114,23 @@ def test_routes_are_those_that_give_a_number():
 
 
 NOTHING = "It exceeds every bound, and no other number of the paper contradicts the print."
-UNITS = "of the last digit above print"
+ABOVE, BELOW = (f"of the last digit {side} print" for side in ("above", "below"))
+TWO = by_authors(1.2801, exact=1.283)
+CHANCE = by_authors(1.285, exact=1.28)
 
 
 @pytest.mark.parametrize(
     ("printed", "parts", "words"),
     [
         # a distance is in units of the last digit if there are few
-        ("1.28", {"exact": 1.299}, f"Exact: 1.9 units {UNITS}. {NOTHING}"),
-        ("1.28", {"exact": 1.261}, f"Exact: 1.9 units of the last digit below print. {NOTHING}"),
-        ("1.28", {"exact": 1.29}, f"Exact: 1 unit {UNITS}."),
+        ("1.28", {"exact": 1.299}, f"Exact: 1.9 units {ABOVE}. {NOTHING}"),
+        ("1.28", {"exact": 1.261}, f"Exact: 1.9 units {BELOW}. {NOTHING}"),
+        ("1.28", {"exact": 1.29}, f"Exact: 1 unit {ABOVE}."),
         ("1.000", {"exact": 1.025}, f"Exact: 2.5 % above print. {NOTHING}"),
         ("1.000", {"exact": 0.9}, f"Exact: 10 % below print. {NOTHING}"),
         # the route of the column is named however close another comes, unless that one decides
-        ("1.280", by_authors(1.285, exact=1.283), f"As published: 5 units {UNITS}. {NOTHING}"),
-        (
-            "1.280",
-            by_authors(1.285, exact=1.28),
-            f"Exactly 1.2800000, .* chance: .* 5 units {UNITS}.",
-        ),
+        ("1.280", CHANCE | {"exact": 1.283}, f"As published: 5 units {ABOVE}. {NOTHING}"),
+        ("1.280", CHANCE, f"Exactly 1.2800000, .* chance: .* 5 units {ABOVE}."),
         (
             "1.280",
             by_authors(1.283, from_print=1.28),
@@ -140,33 +138,21 @@ UNITS = "of the last digit above print"
         ),
         # digits that are obtained say by what
         ("1.28", {"exact": 1.2801}, "Exactly 1.280100, which rounds to 1.28."),
+        ("1.280", TWO, rf"Obtained as published \(exact: 3 units {ABOVE}\)."),
         (
             "1.280",
-            by_authors(1.2801, exact=1.283),
-            rf"Obtained as published \(exact: 3 units {UNITS}\).",
-        ),
-        (
-            "1.280",
-            by_authors(1.2801, exact=1.2799),
+            TWO | {"exact": 1.2799},
             "Exactly 1.2799000, .*, which gives the digits as well.",
         ),
         ("1.28", by_authors(1.2801), "Obtained as published."),
         # a last digit needs no tolerance and another does
-        ("1.28", EXPLAINED | {"exact": 1.294}, f"Exact: 1.4 units {UNITS}. So read."),
-        ("1.28", EXPLAINED, f"Exact: 3 units {UNITS}; the cause is unknown. So read."),
+        ("1.28", EXPLAINED | {"exact": 1.294}, f"Exact: 1.4 units {ABOVE}. So read."),
+        ("1.28", EXPLAINED, f"Exact: 3 units {ABOVE}; the cause is unknown. So read."),
         # what differs is contradicted by the paper, or says that it is not
-        ("1.28", REFUTED | {"exact": 1.31}, f"Exact: 3 units {UNITS}. The mean needs 1.31."),
-        (
-            "1.280",
-            REFUTED | by_authors(1.283, exact=1.28),
-            f"As published: 3 units {UNITS}. The mean.*",
-        ),
+        ("1.28", REFUTED | {"exact": 1.31}, f"Exact: 3 units {ABOVE}. The mean needs 1.31."),
+        ("1.280", REFUTED | CHANCE, f"As published: 5 units {ABOVE}. The mean.*"),
         ("1.28", {}, "The route “exact” gives no number."),
-        (
-            "1.280",
-            FAR,
-            f"Exact: 0 units of .* below print. More .*: as published 6.5 units {UNITS}.",
-        ),
+        ("1.280", FAR, f"Exact: 0 units {BELOW}. More .*: as published 6.5 units {ABOVE}."),
     ],
 )
 def test_an_explanation_says_how_far_off_and_why(printed, parts, words):

@@ -38,11 +38,11 @@ def test_a_printed_number_knows_its_digits(
 
 
 def test_what_is_no_number_is_known_and_sizes_have_their_limits():
-    fits = {"1e-30": True, "1e-31": False, "9e30": True, "1e31": False}
-    fits |= dict.fromkeys(
-        ["n/a", "1,5", "nan", "Infinity", "9" * 26, "<b>1</b>", "−1", "1 2"], False
-    )
-    assert {text: Printed(text).is_number for text in fits} == fits
+    others = ["1e-31", "1e31", "n/a", "1,5", "nan", "Infinity", "9" * 26, "<b>1</b>", "−1", "1 2"]
+    assert [text for text in ("1e-30", "9e30", *others) if Printed(text).is_number] == [
+        "1e-30",
+        "9e30",
+    ]
 
 
 # ---- The table ------------------------------------------------------------------------------------------------------
@@ -105,17 +105,9 @@ def test_missing_rows_are_named_at_most_eight_of_them(error_of, lost, more):
         (",0.00605,", ",,", "column printed has an empty cell"),
         (",0.00605,", f",{'9' * 300},", "row table1.X.3, column printed: '9"),
         ("less than", "about", "max_error_F_k: the words must end with 'less than' or 'more than'"),
-        (
-            ",degraded,",
-            ",unclear,",
-            "cannot judge the word 'unclear'; known are degraded, improved",
-        ),
-        (",true,", ",perhaps,", "cannot judge the word 'perhaps'; known are true, false"),
-        (
-            ",phi,,mean,",
-            ",phi,,level,",
-            "column kind: 'level' is not known to its rule; known are mean",
-        ),
+        (",degraded,", ",unclear,", "the word 'unclear'; known are degraded, improved"),
+        (",true,", ",perhaps,", "the word 'perhaps'; known are true, false"),
+        (",phi,,mean,", ",phi,,level,", "kind: 'level' is not known to its rule; known are mean"),
         (",m,X: peak", ",s,X: peak", "row table1.X.1, column unit: 's' is not known to its rule"),
     ],
 )

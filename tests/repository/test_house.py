@@ -1,10 +1,11 @@
-"""The house keeps its order: rooms on floors, each importing from below only, and scripts where their rules say."""
+"""The house keeps its order: rooms on floors, each importing from below only, and scripts where their rules say;
+slow and nightly tests are on record, and what must hold of every change is not left to the night."""
 
 from __future__ import annotations
 
 import ast
 import re
-from graphlib import CycleError, TopologicalSorter
+from graphlib import TopologicalSorter
 from importlib import import_module
 
 import pytest
@@ -17,13 +18,6 @@ MOST_ROOT_MODULES = 11
 
 def test_no_room_imports_one_that_stands_on_it():
     TopologicalSorter(rooms()).prepare()
-
-
-def test_an_import_from_a_higher_floor_would_be_seen():
-    text = "def late():\n    from .measured import identify\n"
-    assert imported("dampbalance.solver", PACKAGE / "solver.py", text) == {"dampbalance.measured"}
-    with pytest.raises(CycleError):
-        TopologicalSorter(rooms() | {"solver": {"measured"}}).prepare()
 
 
 @pytest.mark.parametrize("folder", ["trials", "examples", "paper", "workflow"])
@@ -88,3 +82,27 @@ def test_a_script_stands_where_its_rule_says_and_every_script_has_one():
     assert {path.relative_to(ROOT / "workflow/scripts").as_posix() for path in scripts} == {
         script for _, _, script in rules
     }
+
+
+# ---- What runs when -------------------------------------------------------------------------------------------------
+
+SLOW, NIGHTLY = (
+    (ROOT / f"tests/{name}.txt").read_text(encoding="utf-8").split() for name in ("slow", "nightly")
+)
+NEVER_NIGHTLY = (
+    *("analytic/", "motion/", "replication/test_claims.py"),
+    *("replication/test_broken_rebuild.py", "repository/test_house.py"),
+)
+"""Claims, the broken rebuild, motion, analytic identities, the order of the house."""
+
+
+@pytest.mark.parametrize("listed", [SLOW, NIGHTLY], ids=["slow", "nightly"])
+def test_every_test_that_is_listed_is_there_once_and_in_order(listed):
+    assert sorted({*listed}) == listed
+    for file, _, test in (name.partition("::") for name in listed):
+        text = (ROOT / "tests" / file).read_text(encoding="utf-8")
+        assert re.search(rf"^def {test or '.*'}\(", text, re.MULTILINE), f"{file}::{test}"
+
+
+def test_what_must_always_hold_is_not_left_to_the_night():
+    assert [name for name in NIGHTLY if name.startswith(NEVER_NIGHTLY)] == []

@@ -1,15 +1,18 @@
-"""The READMEs of the project and of the results say what is so: their numbers, pictures and examples."""
+"""The READMEs of the project and of the results say what is so: their numbers, pictures and examples; so do docstrings
+of public names."""
 
 from __future__ import annotations
 
+import doctest
+import inspect
 import re
 
 import numpy as np
 import pandas as pd
 import pytest
 
+import dampbalance
 from dampbalance import Oscillator, identify, measured_ring_down
-from dampbalance.estimates import estimate_table
 from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
 from dampbalance.identification.pictures import draw
@@ -20,7 +23,7 @@ from dampbalance.replication.claims.verdicts import VERDICTS, counts
 from dampbalance.replication.comparison import off_resonance
 from dampbalance.studies.reading_study import read_study
 from folders import ROOT
-from paper_case import FREQUENCIES_HZ, PAIRS, PAPER, features_at, orbits_at
+from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
 from replication.routes import CASE, PRINT, approaches, nothing
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -37,17 +40,14 @@ def test_the_verdicts_are_those_on_record():
     recorded = recorded.merge(kinds, on="id", validate="one_to_one")
     block = RESULTS.split("<!-- verdicts", 1)[1].split("-->", 1)[1].split("<!-- end", 1)[0]
     counted = counts(recorded)
-    rows = {
-        "numbers": [count.part for count in counted],
-        "computed": [count.computed for count in counted],
-        **{name: [count.of_verdict[name] for count in counted] for name in VERDICTS},
-        "given": [count.given for count in counted],
-        "statements": [count.statements for count in counted],
-        "statements that hold": [count.statements_held for count in counted],
-    }
+    names = ["numbers", "computed", *VERDICTS, "given", "statements", "statements that hold"]
+    columns = [
+        (of.part, of.computed, *of.of_verdict.values(), of.given, of.statements, of.statements_held)
+        for of in counted
+    ]
     table = [line.strip("| ").split(" | ") for line in block.strip().splitlines()]
     del table[1]  # the rule below the head
-    assert table == [[name, *map(str, row)] for name, row in rows.items()]
+    assert table == [[*map(str, row)] for row in zip(names, *columns, strict=True)]
     total = counted[-1].of_verdict
     exact = sum(total[name] for name in ("reproduced", "simulated", "from print"))
     near = sum(total[name] for name in ("last digit", "reading", "propagated"))
@@ -84,20 +84,6 @@ def test_the_pictures_are_those_that_are_drawn(tmp_path):
         # In points: a hundredth is invisible, and leaves room for another machine's last bits.
         assert new.shape == shown.shape
         np.testing.assert_allclose(new, shown, atol=0.01)
-
-
-@pytest.mark.parametrize(
-    ("hertz", "worst"), [*zip(FREQUENCIES_HZ.values(), (1.5, 20.0, 67.0), strict=True)]
-)
-def test_the_errors_quoted_are_those_found(hertz, worst):
-    table = estimate_table(features_at(hertz), PAPER.k, PAIRS)
-    shared = table[(table["phase"] == "common") & (table["kind"] == "pair")]
-    error = 100.0 * (shared["F_k_N"] / PAPER.F_k - 1.0).abs().max()
-    assert f"{worst:g} %" in RESULTS
-    assert 0.9 * worst < error < worst
-    direct = table[(table["approach"] == "direct") & table["kind"].isin(["pair", "least_squares"])]
-    assert (direct["F_k_N"] / PAPER.F_k - 1.0).abs().max() < 1e-10
-    assert (direct["c_N_s_per_m"] / PAPER.c - 1.0).abs().max() < 1e-10
 
 
 def test_the_causes_of_failure_have_the_sizes_quoted():
@@ -143,3 +129,28 @@ def test_every_file_it_links_to_is_there():
     for folder, text in ((ROOT, README), (ROOT / "results", RESULTS)):
         for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
             assert (folder / target).exists(), target
+
+
+# ---- Docstrings -----------------------------------------------------------------------------------------------------
+
+FINDER = doctest.DocTestFinder()
+
+
+def examples(name):
+    """The docstrings of a public name and its methods that hold examples."""
+    return [test for test in FINDER.find(getattr(dampbalance, name), name) if test.examples]
+
+
+@pytest.mark.parametrize("name", [name for name in dampbalance.__all__ if examples(name)])
+def test_its_examples_say_what_comes_out(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said: list[str] = []
+    for test in examples(name):
+        doctest.DocTestRunner(verbose=False).run(test, out=said.append)
+    assert "".join(said) == ""
+
+
+def test_every_public_function_has_one_and_the_package_shows_no_other_name():
+    functions = [n for n in dampbalance.__all__ if inspect.isfunction(getattr(dampbalance, n))]
+    assert [name for name in functions if not examples(name)] == []
+    assert dir(dampbalance) == sorted(["__version__", *dampbalance.__all__])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import sysconfig
-import tarfile
 import venv
 import zipfile
 from functools import partial
@@ -45,12 +44,6 @@ def wheel(sources, tmp_path_factory):
 
 
 SITE = "import sysconfig; print(sysconfig.get_path('purelib'))"
-
-
-def test_the_source_distribution_holds_the_package_and_what_builds_it(sources):
-    with tarfile.open(sources) as tar:
-        held = {name.removeprefix(f"{NAME}/") for name in tar.getnames()}
-    assert {*files_of(ROOT, ["src"]), "pyproject.toml", "README.md", "LICENSE"} <= held
 
 
 def test_the_wheel_holds_every_file_of_the_package_and_no_other(wheel):

@@ -1,7 +1,7 @@
 """A configuration, however odd, is refused in one line or gives sound results; nothing else happens.
 
-The cases are drawn by Hypothesis: anything from single numbers far out to whole systems at the border of what is
-accepted. What is accepted goes through the scripts of the workflow, in this process.
+Whole systems are drawn at the border of what is accepted; single values far out are refused in tests/project. What is
+accepted goes through the scripts of the workflow, in this process.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import warnings
 
 import numpy as np
 import pandas as pd
-import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -35,14 +34,6 @@ NAMES = [
     *("../x", "a/b", "/tmp/x", ".hidden", "-x", "x\n", "", "studies", "archive", "a" * 5000, "a.b"),
     *("con:", "a b", "ω", "<script>alert(1)</script>", "a|b", "$x$", "a\\b", "`ls`"),
 ]
-ODD = {
-    ("oscillator", ("m_kg", "c_N_s_per_m", "k_N_per_m", "K_z_N_per_m", "F_k_N")): [1e-300, 0, True, "5", 1e300],
-    ("excitation", ("levels_m",)): [[1e-300, 1.0], [10**30, 2], [1, 2, 3], [0.001] * 2, ["a", 1]],
-    ("estimation", ("pairs",)): [[[1, 1]], [[1.0, 2.0]], [[1, 2], [1, 2]], [[0, 1]], [[True, 2]], [[1, 2**62]], [1]],
-    ("as_published", ("step_s", "cycles", "slip_samples", "c_over_m_decimals", "scheme", "tabulated")): [
-        1e-300, 1e300, 10**9, 2**62, [2**62], [0], 400, "rk4", 5.0, None, {"X_decimals": 400}, {"X_decimals": True},
-    ],
-}  # fmt: skip
 
 
 def log_uniform(draw: random.Random, low: float, high: float) -> float:
@@ -54,23 +45,6 @@ def base() -> dict:
     config |= {"case": "hostile", "published": None}
     config["excitation"]["frequencies"] = [{"name": "f", "hz": 4.92}]
     config["as_published"] |= {"step_s": 1e-4, "cycles": 3}
-    return config
-
-
-def far_out(draw: random.Random) -> dict:
-    """The paper's case with one thing that is not."""
-    config = base()
-    frequency = config["excitation"]["frequencies"][0]
-    kind = draw.randrange(8)
-    if kind == 0:
-        config["case"] = draw.choice(NAMES)
-    elif kind == 1:
-        frequency["name"] = draw.choice(NAMES)
-    elif kind == 2:
-        frequency["hz"] = draw.choice([1e-300, 1e-9, 1e9, 1e300])
-    else:
-        section, keys = draw.choice(list(ODD))
-        config[section][draw.choice(keys)] = draw.choice(ODD[section, keys])
     return config
 
 
@@ -148,18 +122,19 @@ def outcome(config: dict, folder) -> str:
     return "sound"
 
 
-@pytest.mark.parametrize("make", [far_out, at_the_border])
-def test_a_configuration_is_refused_or_gives_sound_results(tmp_path, make):
-    folders = [tmp_path / f"{seed}" for seed in range(4)]
-    for seed, folder in enumerate(folders):
+def test_a_configuration_is_refused_or_gives_sound_results(tmp_path):
+    answers = []
+    for seed in range(8):
+        folder = tmp_path / f"{seed}"
         folder.mkdir()
-        outcome(make(random.Random(seed)), folder)
+        answers.append(outcome(at_the_border(random.Random(seed)), folder))
+    assert {*answers} == {"refused", "sound"}
 
 
 @settings(max_examples=80)
-@given(draw=st.randoms(), make=st.sampled_from([far_out, at_the_border]))
-def test_many_configurations_are_refused_or_give_sound_results(tmp_path_factory, draw, make):
-    outcome(make(draw), tmp_path_factory.mktemp("case"))
+@given(draw=st.randoms())
+def test_many_configurations_are_refused_or_give_sound_results(tmp_path_factory, draw):
+    outcome(at_the_border(draw), tmp_path_factory.mktemp("case"))
 
 
 def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
@@ -174,9 +149,7 @@ def test_frequencies_may_be_called_like_numbers_and_like_no_value(tmp_path):
     assert (tmp_path / "tables/table1_nan.csv").is_file()
 
 
-def test_no_name_leaves_the_results_and_systems_drawn_anywhere_are_of_both_kinds(tmp_path):
+def test_no_name_leaves_the_results(tmp_path):
     file = tmp_path / "case.yaml"
     file.write_text(yaml.safe_dump(base()), encoding="utf-8")
     assert [name for name in NAMES if not refused(base() | {"case": name}, file)] == []
-    answers = [refused(at_the_border(random.Random(seed)), file) for seed in range(12)]
-    assert 2 <= sum(answer == "" for answer in answers) <= 10

@@ -1,7 +1,7 @@
 """A new approach is one function and one entry, a new term of a law is one entry: everything else follows.
 
 A copy of the project gets a term in `law/terms.py`, and in `balance.py` an approach that has it.
-Tables, figures, page, a study and an identification then know them, and nothing else was edited.
+Tables, figures, page and an identification then know them, and nothing else was edited.
 """
 
 from __future__ import annotations
@@ -33,28 +33,18 @@ TOY = (
 """,
 )
 
-LEVELS = [0.004, 0.006, 0.008, 0.012]
-CASE = f"""
+CASE = """
 case: toy
-excitation: {{frequencies: [{{name: resonance, hz: 4.92}}], levels_m: {LEVELS}}}
-estimation: {{pairs: [[1, 2]]}}
-as_published: {{step_s: 2.0e-5, cycles: 6}}
+excitation: {frequencies: [{name: resonance, hz: 4.92}], levels_m: [0.004, 0.006, 0.008, 0.012]}
+estimation: {pairs: [[1, 2]]}
+as_published: {step_s: 2.0e-5, cycles: 6}
 published: null
 """
-STUDY = f"""
-title: A toy
-axes: [zeta: {{from: 0.1, to: 0.9, count: 5}}]
-levels_m: {LEVELS}
-estimation: {{approaches: [direct, toy]}}
-columns: [parameters, estimates, errors, residuals]
-figure: {{kind: curves, x: zeta}}
-"""
-TEXT = """F_k is off by {{ errors("F_k", "toy").largest | percent }} at most."""
 
 
 @pytest.fixture(scope="module")
 def extended(tmp_path_factory):
-    """A copy of the project with a term and an approach more, and all that a case and a study show of them."""
+    """A copy of the project with a term and an approach more, and all that a case shows of them."""
     folder = copied(ROOT, tmp_path_factory.mktemp("extended")).folder
     balance, (function, entry) = folder / "src/dampbalance/balance.py", TOY
     for file, place, inserted in (
@@ -65,15 +55,9 @@ def extended(tmp_path_factory):
     ):
         before, after = file.read_text(encoding="utf-8").split(place)
         file.write_text(f"{before}{inserted}{place}{after}", encoding="utf-8")
-    studies = folder / "config/studies"
-    for file, text in (
-        (folder / "toy.yaml", CASE),
-        (studies / "toy.yaml", STUDY),
-        (studies / "toy.md.j2", TEXT),
-    ):
-        file.write_text(text, encoding="utf-8")
+    (folder / "toy.yaml").write_text(CASE, encoding="utf-8")
     copy = Checkout(folder, folder)
-    copy.made("--configfile", "toy.yaml", "--", "all", "results/toy/studies/toy/summary.md")
+    copy.made("--configfile", "toy.yaml")
     return copy
 
 
@@ -91,17 +75,6 @@ def test_tables_figures_and_page_show_it(extended):
     assert "toy" in (results / "tables/approaches.md").read_text(encoding="utf-8")
     for name in ("figures/estimation_error.svg", "report.html"):
         assert "with a toy" in (results / name).read_text(encoding="utf-8")
-
-
-def test_a_study_can_ask_for_it(extended):
-    folder = extended.folder / "results/toy/studies/toy"
-    cases = pd.read_parquet(folder / "cases.parquet")
-    assert cases["F_k_relative_error__toy__least_squares"].abs().max() < 1e-6
-    assert cases["c_4_N_s4_per_m4__toy__least_squares"].abs().max() < 1e-3
-    # there is none to be off from
-    assert "c_4_relative_error__toy__least_squares" not in cases
-    assert "with a toy" in (folder / "figure.svg").read_text(encoding="utf-8")
-    assert "toy" in (folder / "summary.md").read_text(encoding="utf-8")
 
 
 def test_it_is_found_in_records_of_such_a_law(extended):

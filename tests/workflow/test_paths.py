@@ -19,7 +19,6 @@ ODD = "ä b'c & (e) [f] #h %i"
 STUB = """#!/bin/sh
 printf '%s\\n' "HOME=$HOME" "$@" end >>"$HERE/calls"
 """
-needs_git = pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
 
 
 @pytest.fixture
@@ -69,39 +68,33 @@ def test_make_tells_python_every_path_as_it_is(odd, arguments, called):
     assert [call[1:] for call in calls] == called
 
 
-@pytest.fixture
-def committed(odd):
-    """The same under version control, with a result that is not."""
+@pytest.mark.skipif(shutil.which("git") is None, reason="git is not installed")
+def test_an_archive_holds_sources_and_results_with_digests_in_the_same_bytes(odd):
     (odd / ".gitignore").write_text("/.venv\n/results\n/calls\n", encoding="utf-8")
     (odd / "results/paper").mkdir(parents=True)
     (odd / "results/paper/a.csv").write_text("1\n", encoding="utf-8")
     git(odd, "init", "--quiet")
     git(odd, "add", "--all")
     git(odd, "commit", "--quiet", "--message=all")
-    return odd
-
-
-@needs_git
-def test_an_archive_holds_sources_and_results_with_digests_in_the_same_bytes(committed):
     packed = []
     for _ in range(2):
-        done, calls = make(committed, "archive", "ARCHIVE=an $archive.tar.gz")
+        done, calls = make(odd, "archive", "ARCHIVE=an $archive.tar.gz")
         assert done.returncode == 0, done.stderr
         assert calls[-1][1:] == RUN
-        packed.append((committed / "an $archive.tar.gz").read_bytes())
-        (committed / "an $archive.tar.gz").unlink()
+        packed.append((odd / "an $archive.tar.gz").read_bytes())
+        (odd / "an $archive.tar.gz").unlink()
     assert packed[0] == packed[1]
     with tarfile.open(fileobj=io.BytesIO(packed[0])) as tar:
-        tar.extractall(committed / "results/unpacked", filter="data")
-    (top,) = (committed / "results/unpacked").iterdir()
+        tar.extractall(odd / "results/unpacked", filter="data")
+    (top,) = (odd / "results/unpacked").iterdir()
     lines = (top / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
     listed = {path: digest for digest, path in (line.split("  ", 1) for line in lines)}
     assert {"results/paper/a.csv", "Makefile", "pyproject.toml"} <= set(listed)
     there = {path: hashlib.sha256(data).hexdigest() for path, data in contents(top).items()}
     del there["SHA256SUMS"]
     assert listed == there
-    (committed / "new.yaml").touch()
-    done, _ = make(committed, "archive")
+    (odd / "new.yaml").touch()
+    done, _ = make(odd, "archive")
     assert done.returncode != 0
     assert "error: results belong to committed sources" in done.stderr
 

@@ -62,8 +62,6 @@ def test_a_wrong_configuration_is_refused_and_nothing_is_lost(built):
     for old, new, message in (
         ("case: small", "case: small\nextra: 1", "wrong.yaml: line 3: extra: unknown key"),
         ("[0.0001, 0.004, 0.008, 0.012]", "[0.004]", "wrong.yaml: line 9: excitation.levels_m"),
-        ("step_s: 2.0e-5", "step_s: 2e-5", "line 13: as_published.step_s: '2e-5' is text"),
-        ("hz: 9.0", "hz: 0", "wrong.yaml: line 8: excitation.frequencies[2].hz: 0"),
     ):
         text = text.replace(old, new)
         expected.append(message)
@@ -78,13 +76,8 @@ def test_the_manifest_states_results_jobs_configuration_sources_and_packages(who
     made, run = stated["reproducible"], stated["run"]
     there = {f"{RESULTS}/{name}": data for name, data in whole.files("small").items()}
     listed = {one["path"]: one["sha256"] for one in made["results"]}
-    for name in (
-        "orbits/above.json",
-        "tables/table3_above.md",
-        "figures/figure3.png",
-        "report.html",
-    ):
-        assert f"{RESULTS}/{name}" in listed
+    some = "orbits/above.json", "tables/table3_above.md", "figures/figure3.png", "report.html"
+    assert {f"{RESULTS}/{name}" for name in some} <= listed.keys()
     assert listed == {
         path: hashlib.sha256(data).hexdigest()
         for path, data in there.items()

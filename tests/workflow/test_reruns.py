@@ -194,13 +194,12 @@ def test_an_edit_of_each_kind_of_file_reruns_what_follows_from_it(built, edits, 
 
 def test_an_edit_in_a_room_or_script_reruns_what_depends_on_it_and_no_more(built):
     room, script = (
-        "src/dampbalance/replication/rebuilt_tables.py",
+        f"{PACKAGE}/replication/rebuilt_tables.py",
         "workflow/scripts/estimates/estimate.py",
     )
-    with (
-        edited(built.folder / room, {'"""': '"""Edited: '}),
-        edited(built.folder / script, {'"""': '"""Edited: '}),
-    ):
+    with ExitStack() as undone:
+        for file in (room, script):
+            undone.enter_context(edited(built.folder / file, {'"""': '"""Edited: '}))
         jobs = built.jobs(*SMALL)
     assert {*FILES} - jobs.keys() == {"Exact responses"}
 
@@ -212,11 +211,7 @@ def test_each_key_of_the_configuration_reruns_what_follows_from_it(built, key, t
 
 @pytest.mark.parametrize(
     ("name", "key"),
-    [
-        (name, key)
-        for name in EVERY
-        for key in (*read(ROOT / f"config/studies/{name}.yaml"), "text")
-    ],
+    [(of, key) for of in EVERY for key in (*read(ROOT / f"config/studies/{of}.yaml"), "text")],
 )
 def test_each_key_of_a_study_reruns_what_follows_from_it(studied, name, key, tmp_path):
     check(studied, [(name, key)], tmp_path, [name])
