@@ -1,6 +1,7 @@
 """A pytest plugin that records outcome, time and called functions of each test (`-p mutation.watch`).
 
-Environment: MUTATION_PACKAGE, the folder of the package; MUTATION_REPORT, the file to write.
+Environment: MUTATION_PACKAGE, the folder of the package; MUTATION_REPORT, the file to write; MUTATION_CALLS, whether
+calls are recorded, which takes as long as the tests.
 """
 
 import json
@@ -46,8 +47,9 @@ def pytest_runtest_protocol(item):
     kernels.clear()
     record = records[item.nodeid] = {"outcomes": []}
     start = time.process_time()
-    threading.setprofile(_note)
-    sys.setprofile(_note)
+    if os.environ["MUTATION_CALLS"]:
+        threading.setprofile(_note)
+        sys.setprofile(_note)
     try:
         return (yield)
     finally:
