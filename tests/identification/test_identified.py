@@ -94,6 +94,13 @@ def words(html):
 # --- numbers --------------------------------------------------------------------------------------
 
 
+def test_a_clipped_record_is_left_out_where_enough_others_are_there():
+    *sound, last = measured(levels=(0.004, 0.006, 0.009, 0.012), channels=THREE, rate_hz=500.0)
+    found = identify([*sound, clipped(last, "acceleration", 0.9)], PAPER.k)
+    assert found.values == identify(sound, PAPER.k).values
+    assert [one.of for one in found.findings if one.code == "left out"] == [last.name]
+
+
 @BOTH
 def test_the_fit_is_the_answer_and_finds_the_truth(found, truth):
     assert close(found, truth)

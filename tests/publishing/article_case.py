@@ -9,12 +9,10 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-import runpy
 import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 from unittest import mock
 
@@ -33,6 +31,7 @@ from dampbalance.studies.study_file import PAPER_CASE
 from folders import PUBLISHED
 from legible import faults
 from replication.routes import CASE, CONFIG, PAPER, ROOT, computed, exact, judged, numbers
+from workflow import jobs
 
 RESULTS, STUDIES = "results/paper", "results/studies"
 FOLDERS = {"RESULTS": RESULTS, "ARTICLE": f"{RESULTS}/article", "STUDY_RESULTS": STUDIES}
@@ -111,12 +110,8 @@ class Project:
         """Run a script of the workflow as its rule would."""
         for file in output.values():
             (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
-        job = {"input": inputs, "params": params, "output": output}
-        groups = {name: SimpleNamespace(**of) for name, of in job.items()}
-        snakemake = SimpleNamespace(**groups, log=())
-        file = ROOT / f"workflow/scripts/article/{script}.py"
         with contextlib.chdir(self.folder), mock.patch.object(style, "save", self.save):
-            runpy.run_path(str(file), {"snakemake": snakemake}, "__main__")
+            jobs.run(f"article/{script}.py", input=inputs, output=output, params=params)
 
     def save(self, figure: Figure, svg: str | Path, png: object, alt: str) -> None:
         """Save a figure like `style.save`, without a bitmap, which takes longer to write than all else here."""
