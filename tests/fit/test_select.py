@@ -10,7 +10,15 @@ import pytest
 from scipy import integrate, stats
 
 from dampbalance.fit.score import departures_from
-from dampbalance.fit.select import CLEAR, Candidate, Prior, bayes_factor, noise_of, select
+from dampbalance.fit.select import (
+    CLEAR,
+    PRIORS,
+    Candidate,
+    Prior,
+    bayes_factor,
+    noise_of,
+    select,
+)
 
 
 def weighted(y, columns):
@@ -130,3 +138,7 @@ def test_what_no_model_explains_scales_the_errors():
     assert found.covariance[0, 0] >= found.noise * rough.covariance_of("level")[0, 0]
     # a departure is there for certain, and the plain model has no better a claim than all candidates
     assert found.models[0].share == pytest.approx(sum(one.share for one in found.models[1:]))
+
+
+def test_the_rig_that_departs_from_nothing_is_always_the_likelier_one():
+    assert all(0.0 < prior.share < 0.5 and prior.size > 0.0 for prior in PRIORS.values())
