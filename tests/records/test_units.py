@@ -208,3 +208,12 @@ def test_a_text_that_is_no_stiffness_is_refused(text):
 def test_a_unit_says_whether_it_is_of_a_rotation():
     units = {"2 N/m": TRANSLATION, "2 N m/rad": ROTATION, "2": None}
     assert {text: read_quantity("k", text).coordinate for text in units} == units
+
+
+def test_a_key_of_a_rotation_has_its_noun_and_its_unit():
+    keys = {
+        **{"K_z_N_per_m": "K_z_N_m_per_rad", "F_k_N": "T_k_N_m", "c_N_s_per_m": "c_N_m_s_per_rad"},
+        **{"velocity_m_per_s": "angular_velocity_rad_per_s", "X_m": "X_rad", "m_kg": "J_kg_m2"},
+    }
+    assert {key: ROTATION.key(key) for key in keys} == keys
+    assert [*map(TRANSLATION.key, keys)] == [*keys]

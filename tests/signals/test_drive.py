@@ -80,6 +80,7 @@ NOISE = np.random.default_rng(4).standard_normal(T.size)
         (NOISE + 100.0 * (np.abs(T % 2.0 - 1.0) < 0.005), True),  # four
         (np.cos(20.0 * T), False),
         (np.cos(2.0 * T) + 0.1 * NOISE, False),
+        (0.1 * np.cos(200.0 * T) + NOISE, False),  # below the noise, 100 times above its spectrum
         (np.where(T < 1.0, np.cos(20.0 * T), 0.01 * NOISE), False),
         (np.cos(20.0 * T) + 500.0 * (np.arange(T.size) == 77), False),  # a spike
     ],

@@ -21,9 +21,12 @@ class Named(dict[str, Any]):
         return self.get(name)
 
 
+KINDS = ("input", "output", "params", "wildcards")
+
+
 def run(script: str, **given: Any) -> None:
-    """One job: `script` is a path below workflow/scripts; input, output, params are by name."""
-    groups = {name: Named(given.get(name, {})) for name in ("input", "output", "params")}
+    """One job: `script` is a path below workflow/scripts; input, output, params, wildcards are by name."""
+    groups = {name: Named(given.get(name, {})) for name in KINDS}
     snakemake = SimpleNamespace(**groups, log=(), threads=1)
     hook = sys.excepthook  # which a script replaces
     try:
