@@ -73,7 +73,7 @@ def visit(browser):
             wrong.append(request.url)
 
     def said(message):
-        # of what Sphinx looks for beside a page of the site, some is there behind a server only
+        # a file that is asked for and not there is no complaint of a script
         if message.type in ("error", "warning") and "ERR_FILE_NOT_FOUND" not in message.text:
             wrong.append(message.text)
 
