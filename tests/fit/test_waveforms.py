@@ -184,6 +184,8 @@ def test_errors_are_those_of_the_cramer_rao_bound(hz, free):
     # 40 odd harmonics hold all but 1e-3 of what the onset of slip tells; differences of the derivatives 1e-6
     errors = [fit.error("F_k"), fit.error("c"), fit.K_z_error, fit.error("m")][: len(bound)]
     assert errors == pytest.approx(np.sqrt(np.diag(bound)), rel=0.01)
+    known = [2.0 * (one.rows - 1) for one in fit.lines] + [one.error_freedom for one in fit.lines]
+    assert min(known) <= fit.freedom_of("F_k") <= sum(known)  # Welch–Satterthwaite
 
 
 def test_limits_are_reached_and_said():
