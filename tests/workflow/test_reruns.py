@@ -251,7 +251,7 @@ def build(one):
         (f"{PACKAGE}/__init__.py", '__version__ = "', '__version__ = "9.', "manifest.json"),
         (f"{PACKAGE}/features.py", "+ 0.5 * np.pi)", "+ 0.5001 * np.pi)", "summary.csv"),
         (f"{PACKAGE}/balance.py", "a=2.0 * (features.X", "a=2.01 * (features.X", "summary.csv"),
-        (f"{PACKAGE}/motion/regime.py", "only sticks", "just sticks", "cases.parquet"),
+        (f"{PACKAGE}/motion/regime.py", "one slip onset", "one slip start", "manifest.json"),
         (f"{PACKAGE}/studies/cases.py", "counted from 0", "counted from zero", "manifest.json"),
         (f"{PACKAGE}/figures/style.py", '"#E4E4E4"', '"#E3E3E3"', "figure.svg"),
     ],
