@@ -51,7 +51,8 @@ def alternative_text(study: Study) -> str:
     """Return what the figure shows, in one sentence."""
     figure = study.figure
     symbols = dict.fromkeys(s for fit in study.fits_of(figure) for s in fit.identified)
-    identified = f"the identified {listed([*symbols])}"
+    by = f" by {label_of(figure['approach'])}" if "approach" in figure else ""
+    identified = f"the identified {listed([*symbols])}{by}"
     x, y = (parameter(figure.get(axis, figure["x"])).meaning for axis in ("x", "y"))
     shown = {
         "curves": f"size of the error of {identified} against {x}, with filled marks where it is too large",
