@@ -10,10 +10,12 @@ import pytest
 from scipy.stats import binom
 
 from dampbalance.balance import APPROACHES
+from dampbalance.project.files import read_csv
 from dampbalance.replication.claims import evidence, unprinted
 from dampbalance.replication.claims.printed import Printed
 from dampbalance.replication.numbers import by_key
 from dampbalance.solver import pair
+from folders import PUBLISHED
 from paper_case import LEVELS, PAPER, features_at
 from replication.by_hand import estimates, missed
 from replication.routes import CASE, CONFIG, PRINT, numbers, unrounded
@@ -78,12 +80,14 @@ def test_random_instants_agree_as_rarely_as_drawn_ones():
 
 
 def test_the_exact_V_s_are_closer_to_print_than_the_simulated_ones():
-    """Distances by independent code, to half a unit of the digits given: closed-form orbits, and backward Euler with
-    its onset of slip between samples."""
-    found = evidence.slip_velocities(numbers())
+    """Distances by independent code, to half a unit of the digits given: closed-form orbits, and backward Euler, read
+    between samples and at the first that slips."""
+    found = evidence.slip_velocities(numbers(), read_csv(PUBLISHED / "cycles.csv"))
     assert found["exact_units"] == pytest.approx(0.719, abs=0.0005)
     assert found["simulated_units.min"] == pytest.approx(0.86, abs=0.005)
     assert found["simulated_units.max"] == pytest.approx(2.96, abs=0.005)
+    assert found["sampled_units.min"] == pytest.approx(0.081, abs=0.0005)
+    assert found["sampled_units.max"] == pytest.approx(2.376, abs=0.0005)
     # five numbers between −5 and 5 units, all of them between −0.7192 and 0.7192
     assert found["chance"] == pytest.approx(0.14384**5, rel=1e-3)
 

@@ -63,7 +63,7 @@ def derived_numbers(
         **setting(case, exact[first]),
         **verdict_counts(claims),
         **rows("chance", evidence.chance(claims)),
-        **rows("V_s", evidence.slip_velocities(numbers)),
+        **rows("V_s", evidence.slip_velocities(numbers, cycles)),
         **rows("routes", evidence.by_route(claims)),
         **rows("choices", {n: len(of) for n, of in evidence.free_choices(case).items()}),
         **inputs_of_table_3(case, by_key),
@@ -298,8 +298,8 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
     )
     for name, of in spreads:
         derived |= rows(f"instants.{name}", {"min": of.min(), "max": of.max()})
-    largest = float(spreads.max()["as_published"])
-    chance = evidence.chance_of_instants(largest, instants["level"].nunique())
+    worst = float(spreads.max()["as_published"])
+    chance = evidence.chance_of_instants(worst, instants["level"].nunique())
     derived |= rows("instants", {"chance": chance})
     derived |= rows("other_damping", {"c": best["c_N_s_per_m"]}, "N s/m")
     return derived | rows("other_damping", {name: best[name] for name in ("spread", "W")})
@@ -314,7 +314,8 @@ def starts(cycles: pd.DataFrame, case: Case) -> Rows:
 
     cycles : the table of `authors_route.trial_table`.
     """
-    onset = select(cycles, trial="as_published", cycle=0)["onset_steps"].to_numpy()
+    of_trial = select(cycles, trial="as_published")
+    onset = of_trial.loc[of_trial["cycle"] == 0, "onset_steps"].to_numpy()
     begins = onset + [case.numerics.after_slip(level) for level in range(len(onset))]
     rule = {"rule.low": (begins - 1.0).max(), "rule.high": begins.min()}
     apart = (onset[0] - onset[-1] + 0.5) % 1.0 - 0.5

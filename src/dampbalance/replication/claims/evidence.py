@@ -83,28 +83,34 @@ def chance_of_instants(largest: float, levels: int) -> float:
     return min(levels * (2.0 * largest) ** n * (1.0 - 2.0 * below), 1.0)
 
 
-def slip_velocities(numbers: pd.DataFrame) -> dict[str, float]:
+def slip_velocities(numbers: pd.DataFrame, cycles: pd.DataFrame) -> dict[str, float]:
     """Compare the printed V_s with those of the exact and of the simulated motion, in units of the last digit.
 
     exact_units : the largest distance of an exact one.
     simulated_units.min, .max : distances of the simulated ones, read at the onset of slip, between samples.
+    sampled_units.min, .max : likewise, read at the sample at which slip is detected.
     chance : the probability that exact numbers with random last digits, uniform within CLOSE_UNITS of each printed
     one, all lie within exact_units.
 
-    numbers : with what is printed (`numbers.with_claims`).
+    numbers : with what is printed (`numbers.with_claims`).   cycles : the table of `authors_route.trial_table`.
     """
     rows = numbers[(numbers["quantity"] == "V_s") & (numbers["kind"] == "level")]
     rows = rows[rows["printed"] != ""]
     printed = rows["printed"].astype(float)
     units = rows["printed"].map(lambda text: Printed(text).unit)
-    exact, simulated = (((rows[route] - printed) / units).abs() for route in ("exact", "unrounded"))
-    largest = float(exact.max())
-    return {
-        "exact_units": largest,
-        "chance": min(largest / CLOSE_UNITS, 1.0) ** len(rows),
-        "simulated_units.min": float(simulated.min()),
-        "simulated_units.max": float(simulated.max()),
+    read = cycles[(cycles["trial"] == "as_published") & (cycles["cycle"] == 0)]
+    values = {
+        "exact": rows["exact"].to_numpy(),
+        "simulated": rows["unrounded"].to_numpy(),
+        "sampled": read["V_s_m_per_s"].to_numpy()[rows["line"].astype(int) - 1],
     }
+    off = {name: ((value - printed) / units).abs() for name, value in values.items()}
+    largest = float(off["exact"].max())
+    found = {"exact_units": largest, "chance": min(largest / CLOSE_UNITS, 1.0) ** len(rows)}
+    for name in ("simulated", "sampled"):
+        found[f"{name}_units.min"] = float(off[name].min())
+        found[f"{name}_units.max"] = float(off[name].max())
+    return found
 
 
 def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
