@@ -211,16 +211,6 @@ def test_errors_of_the_work_are_the_product_of_those_by_single_causes(frequency)
     assert ends("individual") == pytest.approx(100.0 * (which * peak - 1.0), abs=1e-9)
 
 
-def test_the_errors_of_a_fit_have_their_sign():
-    """b from the fundamental alone is too small, so that F_k by least squares comes out too large."""
-    features = Features.from_frame(exact(PAPER).features["omega2"])
-    errors = values_of(derived.lock_in_errors("omega2", features, PAPER, CASE.pairs))
-    assert len(errors) == 4
-    fit = {term: errors[f"error.omega2.{term}.least_squares.lock_in"] for term in ("F_k", "c")}
-    assert fit["F_k"] > 0.0 > fit["c"]
-    assert errors["error.omega2.F_k.largest.lock_in"] >= fit["F_k"]
-
-
 def test_the_figure_shows_what_it_is_given():
     """Errors from independent computations: least squares by X_s, which the paper does with each level's phase of the
     reversal, and never with the mean phase of its pairs; a scheme without damping is drawn at the truth."""

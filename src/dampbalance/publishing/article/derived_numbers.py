@@ -6,14 +6,13 @@ Each is a row of derived.csv, next to the table of numbers: an id, a value, its 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ...balance import TERMS, viscous_integral
-from ...estimates import estimate_table
 from ...features import FEATURE_COLUMNS, Features
 from ...model import Oscillator
 from ...project.case import Case
@@ -23,7 +22,6 @@ from ...replication.claims import evidence, unprinted, verdicts
 from ...replication.clean import CYCLES_TO_READ
 from ...replication.numbers import Numbers, select
 from ...replication.read_out import ReadOut
-from ...solver import Pair
 from ...studies.parameters import parameter
 from ...studies.study_file import Study
 
@@ -82,7 +80,6 @@ def derived_numbers(
     for name, features in exact.items():
         derived |= balance_terms(name, features, case.oscillator)
         derived |= rounding(name, features, case)
-        derived |= lock_in_errors(name, features, case.oscillator, case.pairs)
     derived |= rows("rounding", {"draws": unprinted.DRAWS, "seed": unprinted.SEED})
     work = [f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()]
     of_work = _largest(np.pi * case.oscillator.k * np.array(work) - 1.0)
@@ -277,7 +274,8 @@ def sampling_instants(cycles: pd.DataFrame, numbers: pd.DataFrame) -> pd.DataFra
 def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows:
     """Return how well the printed a of all levels agree on one sampling instant, in steps, by trial.
 
-    instants : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles.
+    instants : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles; W, by
+    how much of itself W misses print at most.
     instants.chance : the probability that random instants agree as well as those of the as-published simulation do in
     every cycle (`evidence.chance_of_instants`), for each setting that was tried.
     cycles : number of cycles of the as-published simulation, and of other steps tried.
@@ -296,8 +294,9 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
     derived = rows(
         "cycles", {"count": cycles["cycle"].nunique(), "steps": others["step_s"].nunique()}
     )
+    of_W = sizes.groupby("trial")["W"].max()
     for name, of in spreads:
-        derived |= rows(f"instants.{name}", {"min": of.min(), "max": of.max()})
+        derived |= rows(f"instants.{name}", {"min": of.min(), "max": of.max(), "W": of_W[name]})
     worst = float(spreads.max()["as_published"])
     chance = evidence.chance_of_instants(worst, instants["level"].nunique())
     derived |= rows("instants", {"chance": chance})
@@ -336,22 +335,6 @@ def largest_errors(numbers: pd.DataFrame) -> Rows:
     return derived
 
 
-def lock_in_errors(
-    frequency: str, features: Features, osc: Oscillator, pairs: Sequence[Pair]
-) -> Rows:
-    """Return the errors of F_k and c by the Fourier balance with b = πωX_1² alone, which a lock-in amplifier gives.
-
-    largest : size of the largest error of all pairs.   least_squares : error with its sign.
-    """
-    table = estimate_table(features.replaced(X_3=0.0, X_5=0.0), osc.k, pairs)
-    errors = of_routes.of_errors(of_routes.of_estimates(frequency, table), osc)
-    return {
-        f"error.{frequency}.{key.quantity}.{key.kind}.lock_in": (error, "%")
-        for key, error in errors.items()
-        if key.approach == "fourier" and key.quantity in TERMS
-    }
-
-
 def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
     """Compare the terms of the balance at a frequency, from the lowest level (first) to the highest (last), in %.
 
@@ -366,7 +349,7 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
     W_which : sin φ of the reversal in place of sin φ of the fundamental, level by level.
     W_shared : the sine of the mean φ of the reversal in place of that of each level's own.
 
-    b_fifth : error of πωΣn²X_n² up to n = 5, its largest size and the last one.   third : the largest X_3/X_1.
+    b_fifth : error of πωΣn²X_n² up to n = 5, its largest size.   third : the largest X_3/X_1.
     """
     W, b = features.W, features.b
     work = np.pi * osc.k * features.Y * features.X
@@ -390,7 +373,7 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
         **ends("W_shared", 100.0 * (shared / sine - 1.0)),
         **rows(f"spread.{frequency}", spread, "%"),
         **rows("third", {frequency: (100.0 * features.X_3 / features.X_1).max()}, "%"),
-        **rows(f"b_fifth.{frequency}", {"size": _largest(b_fifth), "last": b_fifth[-1]}, "%"),
+        **rows(f"b_fifth.{frequency}", {"size": _largest(b_fifth)}, "%"),
     }
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.special import bdtrc
 
 from ...features import Features
 from ...project.case import Case
@@ -46,19 +47,13 @@ def chance(claims: pd.DataFrame) -> dict[str, float]:
     rounded = (exact["exact"].astype(float) / units).round()
     printed = (exact["printed"].astype(float) / units).round()
     within, observed = int((off < CLOSE_UNITS).sum()), int((off <= HALF).sum())
-    fewer = range(observed)
     return {
         "close": int((np.trunc(rounded / 10.0) == np.trunc(printed / 10.0)).sum()),
         "within": within,
         "expected": BY_CHANCE * within,
         "observed": observed,
-        "p": 1.0 - math.fsum(_binomial(n, within, BY_CHANCE) for n in fewer),
+        "p": float(bdtrc(observed - 1, within, BY_CHANCE)),
     }
-
-
-def _binomial(n: int, of: int, share: float) -> float:
-    """Return the probability of n successes in `of` independent trials, each with probability `share`."""
-    return math.comb(of, n) * share**n * (1.0 - share) ** (of - n)
 
 
 def chance_of_instants(largest: float, levels: int) -> float:
