@@ -34,7 +34,7 @@ from .clean import CYCLES_TO_READ, ReadAt, of_record
 from .fixed_step import SCHEMES, simulate
 from .read_out import ReadOut
 from .record import SimulatedRecord
-from .sampled import read_cycle
+from .sampled import Cycle, read_cycle
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -179,12 +179,12 @@ def damping_by_hand(case: Case, frequency: str) -> float:
     return round(effective_damping(case, case.omega(frequency)), _C_DECIMALS)
 
 
-def _at_samples(
-    records: Sequence[SimulatedRecord], case: Case, frequency: str, cycle: int = 0
-) -> Features:
-    """Read V_s, a, b and W at the samples, without the harmonics, which take most of the time of `features_of`.
+def _read_cycles(
+    records: Sequence[SimulatedRecord], case: Case, frequency: str, cycle: int, between: bool
+) -> list[Cycle]:
+    """Read a steady cycle of each record, without the harmonics, which take most of the time of `features_of`.
 
-    cycle : how many periods before the last whole cycle of the records.
+    cycle : how many periods before the last whole cycle of the records.   between : read events between samples.
     """
     omega, k = case.omega(frequency), case.oscillator.k
     read = []
@@ -195,9 +195,14 @@ def _at_samples(
         time, *signals = record.signals().values()
         cut = np.stack([signal[kept] for signal in signals])
         after = case.numerics.after_slip(level)
-        values = read_cycle(cut, float(time[kept.start]), record.dt, omega, k, False, after)
-        read.append(of_numbers(omega, "", V_s=values.V_s, a=values.a, b=values.b, W=values.W))
-    return stack(read)
+        read.append(read_cycle(cut, float(time[kept.start]), record.dt, omega, k, between, after))
+    return read
+
+
+def _at_samples(records: Sequence[SimulatedRecord], case: Case, frequency: str) -> Features:
+    """Read a, b and W of the last cycle at the samples."""
+    omega, read = case.omega(frequency), _read_cycles(records, case, frequency, 0, between=False)
+    return stack([of_numbers(omega, "", a=of.a, b=of.b, W=of.W) for of in read])
 
 
 def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
@@ -235,7 +240,8 @@ def cycle_table(case: Case, frequency: str, count: int = _CYCLES) -> pd.DataFram
     """Tabulate a (m), V_s (m/s) and W (J) of the as-published simulation in each of its last steady cycles.
 
     One row per cycle, the last one first, and level. Which cycle the authors integrated decides where the samples fall;
-    what the printed a say of the step must therefore hold in all of them.
+    what the printed a say of the step must therefore hold in all of them. The column onset_steps says where they fall:
+    how many steps, not whole, pass from the onset of slip to the sample at which it is detected.
 
     count : the number of cycles to read, less if fewer are simulated.
     """
@@ -243,9 +249,20 @@ def cycle_table(case: Case, frequency: str, count: int = _CYCLES) -> pd.DataFram
     records = simulate_levels(case, frequency, keep_cycles=kept)
     tables: list[dict[str, Any]] = []
     for cycle in range(kept - CYCLES_TO_READ + 1):
-        read = _at_samples(records, case, frequency, cycle)
-        which = {"cycle": -cycle, "level": _levels(read)}
-        tables.append(which | {"a_m": read.a, "V_s_m_per_s": read.V_s, "W_J": read.W})
+        read, exactly = (
+            _read_cycles(records, case, frequency, cycle, between) for between in (False, True)
+        )
+        tables += [
+            {
+                "cycle": [-cycle],
+                "level": level,
+                "a_m": at.a,
+                "V_s_m_per_s": at.V_s,
+                "W_J": at.W,
+                "onset_steps": at.start - of.start + (at.t_s - of.t_s) / case.numerics.step_s,
+            }
+            for level, (at, of) in enumerate(zip(read, exactly, strict=True), 1)
+        ]
     return _stacked(tables)
 
 
@@ -264,6 +281,10 @@ def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
     step_of_W_c_over_m, step_of_W_exact : likewise, with the step that makes up for it in W.
     by_hand : schemes that add no damping, with c `damping_by_hand`.
     other_steps, other_damping : the trapezoidal rule with other steps, and with other c.
+    by_hand_unrounded : the trapezoidal rule with c `damping_by_hand` and all digits of k/m.
+    by_hand_k : likewise, with k/m rounded or not, and with the cω²h/2 that backward Euler adds to k as well.
+    semi_implicit, explicit : the other Euler schemes, with k/m rounded or not and the c that makes their motion as
+    damped as the simulated one: `damping_by_hand`, and mω²h more for explicit Euler, which takes as much away.
     """
     numerics, c = case.numerics, damping_by_hand(case, frequency)
     # a transient loses a factor of 40 in each period (ζ = 0.6): the first one read is steady
@@ -273,9 +294,9 @@ def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
         other = {"step_s": factor * numerics.step_s}
         yield f"step_of_W_{rounding}", _with_coefficients(case, rounding, **few | other)
 
-    def by_hand(scheme: str, factor: float = 1.0, more: float = 0.0) -> Case:
+    def by_hand(scheme: str, factor: float = 1.0, more: float = 0.0, **other: Any) -> Case:
         changed: dict[str, Any] = {"scheme": scheme, "step_s": factor * numerics.step_s}
-        changed |= few | {"c_over_m_decimals": None}
+        changed |= few | {"c_over_m_decimals": None} | other
         damped = replace(case.oscillator, c=round(c + more, _C_DECIMALS))
         return replace(case, oscillator=damped, numerics=replace(numerics, **changed))
 
@@ -283,19 +304,39 @@ def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
         yield "by_hand", by_hand(scheme)
     yield from (("other_steps", by_hand("trapezoidal", factor)) for factor in _OTHER_STEPS)
     yield from (("other_damping", by_hand("trapezoidal", more=more)) for more in _OTHER_DAMPING)
+    added = added_damping(case, case.omega(frequency))
+    unrounded: dict[str, Any] = {"k_over_m_decimals": None}
+    yield "by_hand_unrounded", by_hand("trapezoidal", **unrounded)
+    for of_k in ({}, unrounded):
+        yield "by_hand_k", _stiffer(by_hand("trapezoidal", **of_k), frequency)
+        yield "semi_implicit", by_hand("semi-implicit-euler", **of_k)
+        yield "explicit", by_hand("explicit-euler", more=added, **of_k)
+
+
+def _stiffer(case: Case, frequency: str) -> Case:
+    """Return the case with the stiffness cω²h/2 that backward Euler adds, and the drive kY as it was."""
+    osc, h = case.oscillator, case.numerics.step_s
+    k = osc.k + 0.5 * osc.c * case.omega(frequency) ** 2 * h
+    levels = tuple(Y * osc.k / k for Y in case.levels_m)
+    return replace(case, oscillator=replace(osc, k=k), levels_m=levels)
 
 
 def trial_table(case: Case, frequency: str) -> pd.DataFrame:
     """Return the `cycle_table` of the as-published simulation (trial "as_published") and of each of its rivals.
 
-    Columns trial, scheme, step_s (s), c_N_s_per_m say which one a row belongs to.
+    Columns trial, scheme, step_s (s), c_N_s_per_m and k_over_m_per_s2 (as rounded) say which one a row belongs to.
     """
     tables: list[dict[Any, Any]] = []
     for trial, rival in (("as_published", case), *trials(case, frequency)):
         # three cycles of a rival show that their instants do not hang on the cycle
         count = _CYCLES if trial == "as_published" else 3
-        setting = {"scheme": rival.numerics.scheme, "step_s": rival.numerics.step_s}
-        which = {"trial": trial, **setting, "c_N_s_per_m": rival.oscillator.c}
+        which = {
+            "trial": trial,
+            "scheme": rival.numerics.scheme,
+            "step_s": rival.numerics.step_s,
+            "c_N_s_per_m": rival.oscillator.c,
+            "k_over_m_per_s2": printed_coefficients(rival)["k_over_m"],
+        }
         tables.append(which | dict(cycle_table(rival, frequency, count).items()))
     return _stacked(tables)
 

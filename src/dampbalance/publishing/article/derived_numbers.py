@@ -63,6 +63,7 @@ def derived_numbers(
         **setting(case, exact[first]),
         **verdict_counts(claims),
         **rows("chance", evidence.chance(claims)),
+        **rows("V_s", evidence.slip_velocities(numbers)),
         **rows("routes", evidence.by_route(claims)),
         **rows("choices", {n: len(of) for n, of in evidence.free_choices(case).items()}),
         **inputs_of_table_3(case, by_key),
@@ -71,6 +72,7 @@ def derived_numbers(
         **integral_deviations(exact[first], rebuilt[first], numbers, schemes),
         **step_from_work(numbers, schemes, case),
         **agreement_of_instants(sampling_instants(cycles, numbers), numbers),
+        **starts(cycles, case),
         **largest_errors(numbers),
     }
     # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
@@ -79,10 +81,12 @@ def derived_numbers(
     derived["rebuilt.a.samples"] = (_largest(off), "")
     for name, features in exact.items():
         derived |= balance_terms(name, features, case.oscillator)
+        derived |= rounding(name, features, case)
         derived |= lock_in_errors(name, features, case.oscillator, case.pairs)
+    derived |= rows("rounding", {"draws": unprinted.DRAWS, "seed": unprinted.SEED})
     work = [f.Y * f.X_1 * np.sin(f.phi_fundamental) / f.W for f in exact.values()]
-    rounding = _largest(np.pi * case.oscillator.k * np.array(work) - 1.0)
-    derived["W_fundamental"] = (100.0 * rounding, "%")  # of πkYX_1 sin φ_1
+    of_work = _largest(np.pi * case.oscillator.k * np.array(work) - 1.0)
+    derived["W_fundamental"] = (100.0 * of_work, "%")  # of πkYX_1 sin φ_1
     approaches = comparison.approaches_table(by_key, case.frequencies_hz)
     for name, shifts in comparison.cause_shifts(approaches, case.frequencies_hz).items():
         derived |= rows(f"cause.{name}", {cause: shifts[cause] for cause in comparison.CAUSES}, "%")
@@ -175,6 +179,20 @@ def left_open(case: Case, frequency: str, exact: Features, numbers: Numbers) -> 
     return derived
 
 
+def rounding(frequency: str, exact: Features, case: Case) -> Rows:
+    """Return how the rounding of all its read-outs spreads the largest error of F_k by the Fourier balance, over pairs.
+
+    table_1 : with the decimals of Table 1.   one_more : with one decimal more.
+    median, p95 : quantiles over the draws of `unprinted.rounding_errors`.
+    """
+    derived: Rows = {}
+    for more, name in enumerate(("table_1", "one_more")):
+        errors = unprinted.rounding_errors(exact, case, more)
+        of = {"median": float(np.median(errors)), "p95": float(np.quantile(errors, 0.95))}
+        derived |= rows(f"rounding.{frequency}.{name}", of, "%")
+    return derived
+
+
 def damping(case: Case, frequency: str, schemes: pd.DataFrame) -> Rows:
     """Return what backward Euler adds to c near resonance, where c, as rounded, acts as c + mω²h; and c by each scheme.
 
@@ -236,7 +254,7 @@ def step_from_work(numbers: pd.DataFrame, schemes: pd.DataFrame, case: Case) -> 
     return steps
 
 
-SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m"]
+SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m", "k_over_m_per_s2"]
 """The columns of `authors_route.trial_table` that name one simulation."""
 
 
@@ -260,6 +278,8 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
     """Return how well the printed a of all levels agree on one sampling instant, in steps, by trial.
 
     instants : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles.
+    instants.chance : the probability that random instants agree as well as those of the as-published simulation do in
+    every cycle (`evidence.chance_of_instants`), for each setting that was tried.
     cycles : number of cycles of the as-published simulation, and of other steps tried.
     other_damping : of the trials with another c, put in by hand, the one whose instants agree best: its c, its spread,
     and by how much of itself its W misses print at most.
@@ -278,8 +298,27 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
     )
     for name, of in spreads:
         derived |= rows(f"instants.{name}", {"min": of.min(), "max": of.max()})
+    largest = float(spreads.max()["as_published"])
+    chance = evidence.chance_of_instants(largest, instants["level"].nunique())
+    derived |= rows("instants", {"chance": chance})
     derived |= rows("other_damping", {"c": best["c_N_s_per_m"]}, "N s/m")
     return derived | rows("other_damping", {name: best[name] for name in ("spread", "W")})
+
+
+def starts(cycles: pd.DataFrame, case: Case) -> Rows:
+    """Return what the samples at which the printed a begin have in common, in steps, in the cycle that is read.
+
+    alike : by how much the onset of slip falls differently between two samples at the lowest and the highest level.
+    rule : low and high, between which a number of steps lies such that a begins at the first sample that is at least so
+    many steps after the onset, at every level; without such a number low exceeds high.
+
+    cycles : the table of `authors_route.trial_table`.
+    """
+    onset = select(cycles, trial="as_published", cycle=0)["onset_steps"].to_numpy()
+    begins = onset + [case.numerics.after_slip(level) for level in range(len(onset))]
+    rule = {"rule.low": (begins - 1.0).max(), "rule.high": begins.min()}
+    apart = (onset[0] - onset[-1] + 0.5) % 1.0 - 0.5
+    return rows("starts", {"alike": abs(apart), **rule})
 
 
 def largest_errors(numbers: pd.DataFrame) -> Rows:
@@ -318,12 +357,21 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
     share : a F_k / W.   sine : sin φ with φ of the reversal, not in %.
     spread : (largest − smallest sin φ)/mean, with φ of the reversal and of the fundamental.
     W_common, W_individual : error of W = πkYX sin φ with the mean φ and with each level's φ of the reversal.
+
+    The first is made up of three errors, 1 + W_common = (1 + W_peak)(1 + W_which)(1 + W_shared), the second of the
+    first two of them. Each isolates one cause:
+
+    W_peak : the peak X in place of the amplitude X_1 of the fundamental.
+    W_which : sin φ of the reversal in place of sin φ of the fundamental, level by level.
+    W_shared : the sine of the mean φ of the reversal in place of that of each level's own.
+
     b_fifth : error of πωΣn²X_n² up to n = 5, its largest size and the last one.   third : the largest X_3/X_1.
     """
     W, b = features.W, features.b
     work = np.pi * osc.k * features.Y * features.X
     sine = np.sin(features.phi_reversal)
     sines = {"reversal": sine, "fundamental": np.sin(features.phi_fundamental)}
+    shared = np.sin(np.mean(features.phi_reversal))
     harmonics = {1: features.X_1, 3: features.X_3, 5: features.X_5}
     b_fifth = 100.0 * (viscous_integral(features.omega, harmonics) / b - 1.0)
     spread = {name: 100.0 * (np.ptp(of) / np.mean(of)) for name, of in sines.items()}
@@ -335,7 +383,10 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
         **ends("share", 100.0 * features.a * osc.F_k / W),
         **ends("sine", sine, ""),
         **ends("W_individual", 100.0 * (work * sine / W - 1.0)),
-        **ends("W_common", 100.0 * (work * np.sin(np.mean(features.phi_reversal)) / W - 1.0)),
+        **ends("W_common", 100.0 * (work * shared / W - 1.0)),
+        **ends("W_peak", 100.0 * (features.X / features.X_1 - 1.0)),
+        **ends("W_which", 100.0 * (sine / sines["fundamental"] - 1.0)),
+        **ends("W_shared", 100.0 * (shared / sine - 1.0)),
         **rows(f"spread.{frequency}", spread, "%"),
         **rows("third", {frequency: (100.0 * features.X_3 / features.X_1).max()}, "%"),
         **rows(f"b_fifth.{frequency}", {"size": _largest(b_fifth), "last": b_fifth[-1]}, "%"),

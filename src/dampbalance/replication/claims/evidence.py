@@ -1,6 +1,6 @@
 """Measures what the agreement with print proves: agreement by chance, free choices, and the inputs behind Table 3.
 
-Everything is counted from the table of claims and from the configuration.
+Everything follows from the tables of claims and of numbers and from the configuration.
 """
 
 from __future__ import annotations
@@ -24,25 +24,87 @@ from .table import SEPARATOR
 from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, part_of
 
 CLOSE_UNITS = 5.0
-"""Units of the last digit within which a number agrees in all digits but the last: ten last digits lie that close."""
+"""Units of the last digit on either side of an exact number: ten last digits lie that close to it."""
 
 BY_CHANCE = 0.1
-"""The share of such numbers that agree in the last digit, too, if it is a matter of chance."""
+"""The share of numbers within CLOSE_UNITS that agree in the last digit if it is a matter of chance."""
 
 
 def chance(claims: pd.DataFrame) -> dict[str, float]:
     """Count the exact numbers that may agree by chance: those in columns that the exact route does not give throughout.
 
-    close : those less than CLOSE_UNITS off, which agree in all digits but the last.
-    expected : BY_CHANCE of them.   observed : those that give the printed digits.
+    close : those that, rounded to the printed decimals, agree in all digits but the last.
+    within : those less than CLOSE_UNITS off.
+    expected : BY_CHANCE of those within.   observed : those that give the printed digits.
+    p : probability that chance gives at least as many, of a binomial distribution.
 
     claims : claims.csv as text.
     """
     exact = claims[_made_otherwise(claims) & (claims["exact"] != "")]
     units = exact["printed"].map(lambda text: Printed(text).unit)
     off = ((exact["exact"].astype(float) - exact["printed"].astype(float)) / units).abs()
-    close = int((off < CLOSE_UNITS).sum())
-    return {"close": close, "expected": BY_CHANCE * close, "observed": int((off <= HALF).sum())}
+    rounded = (exact["exact"].astype(float) / units).round()
+    printed = (exact["printed"].astype(float) / units).round()
+    within, observed = int((off < CLOSE_UNITS).sum()), int((off <= HALF).sum())
+    fewer = range(observed)
+    return {
+        "close": int((np.trunc(rounded / 10.0) == np.trunc(printed / 10.0)).sum()),
+        "within": within,
+        "expected": BY_CHANCE * within,
+        "observed": observed,
+        "p": 1.0 - math.fsum(_binomial(n, within, BY_CHANCE) for n in fewer),
+    }
+
+
+def _binomial(n: int, of: int, share: float) -> float:
+    """Return the probability of n successes in `of` independent trials, each with probability `share`."""
+    return math.comb(of, n) * share**n * (1.0 - share) ** (of - n)
+
+
+def chance_of_instants(largest: float, levels: int) -> float:
+    """Return the probability that instants drawn at random agree within `largest` of their circular mean, in steps.
+
+    With u_i uniform on a circle of length 1 and d = `largest` small, the deviations from the mean fill the body
+    |y_i| ≤ d, Σ y_i = 0. Its volume in the coordinates y_2 … y_n is (2d)^(n−1) P(|S| ≤ 1), where S is the sum of
+    n − 1 numbers that are uniform between −1 and 1 (Irwin–Hall), and the u_i − u_1 have the Jacobian n:
+
+        P = n (2d)^(n−1) P(|S| ≤ 1),   for five levels 5 · 16 d⁴ · 115/192
+
+    Exact for d below 1/(2n), where the instants lie on less than half of the circle; a mean of directions then differs
+    from that of the u_i by a relative (2πd)²/6 or so.
+
+    largest : d, steps.   levels : number n of instants, at least 2.
+    """
+    n = levels - 1
+    # distribution function of the sum of n numbers between 0 and 1, at (n − 1)/2, where S = −1
+    x = 0.5 * (n - 1)
+    terms = ((-1) ** j * math.comb(n, j) * (x - j) ** n for j in range(math.floor(x) + 1))
+    below = math.fsum(terms) / math.factorial(n)
+    return min(levels * (2.0 * largest) ** n * (1.0 - 2.0 * below), 1.0)
+
+
+def slip_velocities(numbers: pd.DataFrame) -> dict[str, float]:
+    """Compare the printed V_s with those of the exact and of the simulated motion, in units of the last digit.
+
+    exact_units : the largest distance of an exact one.
+    simulated_units.min, .max : distances of the simulated ones, read at the onset of slip, between samples.
+    chance : the probability that exact numbers with random last digits, uniform within CLOSE_UNITS of each printed
+    one, all lie within exact_units.
+
+    numbers : with what is printed (`numbers.with_claims`).
+    """
+    rows = numbers[(numbers["quantity"] == "V_s") & (numbers["kind"] == "level")]
+    rows = rows[rows["printed"] != ""]
+    printed = rows["printed"].astype(float)
+    units = rows["printed"].map(lambda text: Printed(text).unit)
+    exact, simulated = (((rows[route] - printed) / units).abs() for route in ("exact", "unrounded"))
+    largest = float(exact.max())
+    return {
+        "exact_units": largest,
+        "chance": min(largest / CLOSE_UNITS, 1.0) ** len(rows),
+        "simulated_units.min": float(simulated.min()),
+        "simulated_units.max": float(simulated.max()),
+    }
 
 
 def _made_otherwise(claims: pd.DataFrame) -> pd.Series:

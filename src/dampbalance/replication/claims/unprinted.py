@@ -1,8 +1,13 @@
-"""Random draws of read-outs that the paper does not print: could they keep a bound that it states?
+"""Random draws of read-outs about their exact values.
 
-At ω2 and ω3 the paper states errors of its two-point formulas without the read-outs behind them. A bound is open where
-some read-outs that it may have used keep it and others do not. The formulas are taken from Table 3, with one φ and one
-t_s for all levels; X of each level and the one φ are drawn uniformly about their exact values, and X + X_s stays exact.
+Could read-outs that the paper does not print keep a bound that it states (`drawn`)? At ω2 and ω3 the paper states
+errors of its two-point formulas without the read-outs behind them. A bound is open where some read-outs that it may
+have used keep it and others do not. The formulas are taken from Table 3, with one φ and one t_s for all levels; X of
+each level and the one φ are drawn uniformly about their exact values, and X + X_s stays exact.
+
+How much does the rounding of Table 1 cost the Fourier balance (`rounding_errors`)? Its read-outs are drawn uniformly
+within half a unit of their last decimal, like the rounding errors of arbitrary values: those of one experiment are one
+draw of many.
 """
 
 from __future__ import annotations
@@ -13,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array
+from ...balance import Rows, fourier
 from ...features import Features
 from ...project.case import Case
 from ...solver import solve
@@ -31,6 +37,9 @@ Table 1 are read; and half a unit of the decimals of Table 1, which the paper sa
 
 ROUNDED = (0.5e-6, 0.0)
 """Half widths of X, m, and φ, rad, where X is rounded as for Table 3 and φ is exact."""
+
+DECIMALS = {"X": 5, "X_s": 5, "X_1": 5, "X_3": 5, "X_5": 5, "phi_fundamental": 3}
+"""Decimals of what the Fourier balance reads, m and rad: X, X_s and φ as in Table 1, the harmonics as X."""
 
 RARE = 0.05
 """A share of draws below which, or within which of all, a bound is decided."""
@@ -83,11 +92,27 @@ def exceedances_in_words(drawn: Sequence[Drawn], bound: str) -> str:
     )
 
 
+def rounding_errors(exact: Features, case: Case, more: int = 0) -> Array:
+    """Return the largest error of F_k by the Fourier balance over the pairs of levels, per cent, a number per draw.
+
+    Use it to see how the error is distributed when all read-outs are rounded to DECIMALS.
+
+    exact : exact features at the frequency.   more : further decimals that are kept.
+    """
+    random = np.random.default_rng(SEED)
+    many = _repeated(exact)
+    read = {
+        name: getattr(many, name)
+        + 10.0 ** -(decimals + more) * random.uniform(-0.5, 0.5, many.X.shape)
+        for name, decimals in DECIMALS.items()
+    }
+    return _worst_of_pairs(fourier(many.replaced(**read), case.oscillator.k), case, ["F_k"])
+
+
 def _largest_errors(exact: Features, case: Case, X_m: float, phi_rad: float) -> Array:
     """Return the largest error of F_k and c over the pairs by all harmonic approaches, per cent, a number per draw."""
     random = np.random.default_rng(SEED)
-    common = exact.with_common("phi", "t_s")
-    many = common[:, None][:, np.zeros(DRAWS, dtype=np.int64)]
+    many = _repeated(exact.with_common("phi", "t_s"))
     moved = X_m * random.uniform(-1.0, 1.0, many.X.shape)
     read = many.replaced(
         X=many.X + moved,
@@ -97,8 +122,18 @@ def _largest_errors(exact: Features, case: Case, X_m: float, phi_rad: float) -> 
     largest = np.zeros(DRAWS)
     for name in HARMONIC_APPROACHES:
         rows = APPROACHES_OF_TABLE_3[name](read, case.oscillator.k)
-        estimate = solve(rows[np.transpose(PAIRS)])
-        for symbol in COEFFICIENTS:
-            errors = np.abs(estimate[symbol] / getattr(case.oscillator, symbol) - 1.0)
-            largest = np.maximum(largest, errors.max(axis=0))
-    return 100.0 * largest
+        largest = np.maximum(largest, _worst_of_pairs(rows, case, COEFFICIENTS))
+    return largest
+
+
+def _repeated(features: Features) -> Features:
+    """Return features with a second axis of DRAWS equal entries."""
+    return features[:, None][:, np.zeros(DRAWS, dtype=np.int64)]
+
+
+def _worst_of_pairs(rows: Rows, case: Case, symbols: Sequence[str]) -> Array:
+    """Return the largest error of these coefficients over the pairs of levels, per cent, a number per draw."""
+    estimate = solve(rows[np.transpose(PAIRS)])
+    true = {symbol: getattr(case.oscillator, symbol) for symbol in symbols}
+    errors = [np.abs(estimate[symbol] / of - 1.0).max(axis=0) for symbol, of in true.items()]
+    return 100.0 * np.max(errors, axis=0)
