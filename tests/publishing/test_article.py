@@ -83,7 +83,7 @@ def agrees(value: dict, entry: str) -> bool:
 
 
 def test_every_value_is_what_its_file_says_and_one_that_is_off_by_a_digit_is_not(article, values):
-    assert len(values) > 2000
+    assert len(values) > 700
     changed = 0
     for key, value in values.items():
         entry = raw(article, value)
@@ -102,7 +102,7 @@ BY_HAND = {
     "table1.Y.5": "12",
     "table1.X.1.printed": "2.73",
     "table2.W.1.printed": "79.39719",
-    "claim.table2.c.2-3.printed": "90.0114",
+    "claim.text.max_error_F_k.printed": "1.5",
     # by arithmetic
     "swing": "12.308",  # 2 F_k/K_z = 2.56/208 000 m
     "parameter.omega1_natural": "4.9172",  # sqrt(2310/2.42)/2π
@@ -111,7 +111,6 @@ BY_HAND = {
     "c_over_m": "37.19",  # 90/2.42 = 37.190083
     "dev.W": "−1.27·10⁻⁴",  # 0.81655453/0.816658098 − 1
     "text.t_s_mean": "2.17",  # (2.98421 + 2.37779 + 2.03537 + 1.80811 + 1.64318)/5
-    "c.trapezoidal": "89.9998",  # 37.19 · 2.42: no damping of its own
     "c.backward-euler": "90.0114",  # 37.19 · 2.42 + 0.01156, as the paper prints it
     # a_1 b_2 − a_2 b_1 = 7.6911e-6, beside 4 Z_m (b_2 − b_1) = 2.46154e-5 · 1.15010e-3 = 2.8310e-8
     "study.rigid_contact.pair_F_omega1": "−0.367 %",
@@ -121,11 +120,9 @@ BY_HAND = {
     "study.step_size.coarsest_step_s": "80",
     # known from an earlier computation with other code
     "spread.omega2.reversal": "0.48",
-    "error.omega3.F_k.least_squares.X_s.fundamental.common": "−67",
-    "error.omega1.F_k.least_squares.lock_in": "+0.46",
+    "error.omega3.F_k.least_squares.X_s.reversal.common": "−66",
     "error.omega2.F_k.largest.X_s.zero_crossing.individual": "6.3",
     "error.omega1.F_k.least_squares.fourier": "+0.021",
-    "study.read_out.fourier_phase": "+2.79 %",
     "b_fifth.omega2.size": "0.012",
     "rebuilt.b.first": "1.6·10⁻⁵",
     # counted in `config/config.yaml`: four that have a name, two roundings, five starts of a, six rules of reading
@@ -149,9 +146,8 @@ def test_the_values_speak_of_the_case(values):
 
 def test_the_article_is_an_archive_with_its_values_and_claims_in_it(article, values, reader):
     attached = {Path(name).name: contents[0] for name, contents in reader.attachments.items()}
-    assert attached.keys() == {"claims.csv", "values.json"}
-    claims = (article.folder / "results/paper/claims.csv").read_bytes()
-    assert attached["claims.csv"] == claims
+    tables = {Path(file).name: (article.folder / file).read_bytes() for file in SOURCES}
+    assert attached == {**tables, "values.json": attached["values.json"]}
     listed = json.loads(attached["values.json"])
     assert listed["values"] == values
     assert {value["file"] for value in values.values()} == SOURCES.keys()
@@ -163,8 +159,13 @@ def test_the_article_is_an_archive_with_its_values_and_claims_in_it(article, val
     assert re.search(r"pdfuaid:part>1<", packet)
     assert reader.metadata.author == "the dampbalance authors"
     assert reader.metadata.creator.startswith("Typst ")
-    # the summary for editors fills the first page
-    assert " ".join(reader.pages[1].extract_text().split()).startswith("[Re] Balancing energy")
+
+
+def test_the_article_is_as_long_as_a_conference_paper(reader):
+    pages = [page.extract_text() for page in reader.pages]
+    (first,) = (n for n, text in enumerate(pages) if text.startswith("Supplement\n"))
+    assert first <= 8
+    assert len(pages) - first <= 9
 
 
 def test_the_same_bytes_each_time_and_wherever_the_results_are_kept(article, tmp_path):

@@ -13,7 +13,12 @@ from dampbalance.features import Features
 from dampbalance.figures.numerics import Evidence, glance
 from dampbalance.project.files import read_csv
 from dampbalance.publishing.article import derived_numbers as derived
-from dampbalance.replication.authors_route import cycle_table, features_of, simulate_levels
+from dampbalance.replication.authors_route import (
+    cycle_table,
+    effective_damping,
+    features_of,
+    simulate_levels,
+)
 from folders import PUBLISHED
 from replication.routes import CASE, PAPER, as_published, exact, numbers
 
@@ -221,9 +226,11 @@ def test_the_figure_shows_what_it_is_given():
     reversal, and never with the mean phase of its pairs; a scheme without damping is drawn at the truth."""
     table, none = numbers().copy(), pd.DataFrame()
     table.loc[table["id"] == "text.c_direct_ls", ["as_published", "printed"]] = [90.0, "90.005"]
-    axes = glance(Evidence(table, none, none, none), PAPER, CASE.numerics.step_s).axes
+    effective = effective_damping(CASE, CASE.omega("omega1"))
+    axes = glance(Evidence(table, none, none, none), PAPER.c, effective).axes
     marks = [line.get_xdata() for line in axes[0].lines if len(line.get_xdata()) == 1]
-    assert [float(of[0]) for of in marks[:2]] == pytest.approx([90.0, 90.01156], abs=1e-5)
+    # c/m to two decimals times m, 37.19 · 2.42 = 89.9998, and mω²h = 0.011563: to the last digit given here
+    assert [float(of[0]) for of in marks[:2]] == pytest.approx([90.0, 90.01136], abs=5e-6)
     assert [float(of[0]) for of in marks[2:4]] == [90.0, 90.005]
     errors = [[tip for _, (_, tip) in of.get_segments()] for of in axes[1].collections]
     assert errors[0] == pytest.approx([0.68, -16.2, 11.8], abs=0.05)

@@ -70,6 +70,44 @@ def test_a_map_of_many_cases_shows_what_nine_of_ten_do_not_exceed():
     assert shown == pytest.approx([true, np.nan, np.nan], rel=0.05, nan_ok=True)
 
 
+def test_a_map_of_one_approach_has_a_panel_for_each_phase_and_term_in_a_row(computed):
+    document = {"axes": [STIFF, LONG], "estimation": {"phases": ["reversal", "fundamental"]}}
+    document["figure"] = {
+        "kind": "map",
+        "x": "omega_over_omega_n",
+        "y": "K_z_over_k",
+        "approach": "t_s",
+    }
+    study, table, path = computed(document)
+    *panels, _ = study_figure(study, path).axes  # and the scale of colours
+    assert len({panel.get_position().y0 for panel in panels}) == 1
+    panels.sort(key=lambda panel: panel.get_position().x0)
+    shown = [(symbol, phase) for symbol in ("F_k", "c") for phase in ("reversal", "fundamental")]
+    for panel, (symbol, phase) in zip(panels, shown, strict=True):
+        errors = table[f"{symbol}_relative_error__t_s__{phase}__individual__least_squares"]
+        drawn = panel.collections[0].get_array()
+        assert np.array_equal(drawn, 100.0 * errors.to_numpy().reshape(21, 31))
+
+
+def test_the_legend_of_curves_has_the_marks_of_the_panels_and_no_others(computed):
+    """F_k always too large by X_s; c too small; direct integration exact, and so neither drawn nor in the legend."""
+    document = {"axes": [LONG], "estimation": {"approaches": ["direct", "X_s"]}, "figure": CURVES}
+    fit = "X_s__reversal__individual__least_squares"
+    columns = {f"F_k_relative_error__{fit}": 0.01, f"c_relative_error__{fit}": -0.01}
+    study, _, path = computed(document, **columns)
+    figure = study_figure(study, path)
+    marks = {
+        (line.get_marker(), line.get_markerfacecolor())
+        for axes in figure.axes
+        for line in axes.lines
+        if line.get_marker() not in ("", "None")
+    }
+    legend = figure.legends[0]
+    named = {(line.get_marker(), line.get_markerfacecolor()) for line in legend.get_lines()}
+    assert named == marks
+    assert len(legend.get_texts()) == 3  # the approach, and either sign
+
+
 def test_one_curve_stands_for_approaches_that_agree_and_open_marks_for_too_small(make, computed):
     x = np.linspace(0.5, 3.0, 126)
     document = {"axes": [{"omega_over_omega_n": {"from": 0.5, "to": 3.0, "count": 126}}]}

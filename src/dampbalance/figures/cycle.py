@@ -75,8 +75,8 @@ def friction_velocity_loop(orbit: Orbit) -> Figure:
     backward microstick and B (t_r) of backward slip. Without slip there is nothing to mark: the loop is drawn
     as it is, and the regime named.
     """
-    figure = page(DOUBLE_COLUMN, 72.0)
-    full, zoom = (place(figure, left, 12.0, _WIDTH, 53.0) for left in (_LEFT_COLUMN, _RIGHT_COLUMN))
+    figure = page(DOUBLE_COLUMN, 62.0)
+    full, zoom = (place(figure, left, 11.0, _WIDTH, 45.0) for left in (_LEFT_COLUMN, _RIGHT_COLUMN))
     cycle, (F_k, K_z) = branches(orbit), (orbit.oscillator.F_k, orbit.oscillator.K_z)
     f_max = F_k or 1.0  # without friction f is zero; any scale will do
     v_max = max(float(np.max(branch.state.v)) for branch in cycle)

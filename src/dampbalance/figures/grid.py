@@ -66,7 +66,9 @@ class Grid:
         self.figure.text(*self._middle(level), text, ha="center", va="center")
 
     def legend_below(self, handles: Sequence[Any], **options: Any) -> None:
-        """Draw the legend of all panels at the foot of the page, in as few lines as it fits into."""
+        """Draw the legend of all panels, if they show anything, at the foot of the page, in as few lines as it fits."""
+        if not handles:
+            return
         # seven entries of a legend fit into a line
         lines = math.ceil(len(handles) / 7)
         self.figure.legend(

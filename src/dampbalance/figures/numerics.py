@@ -15,7 +15,20 @@ from ..replication.comparison import WAY, WAYS_TO_COMPARE
 from ..replication.numbers import select
 from .looks import LOOKS, SPARE
 from .series import SignedScale
-from .style import DOUBLE_COLUMN, FAINT, INK, STICK, arrow, note, page, panel_letter, place, styled
+from .style import (
+    DASHED,
+    DOUBLE_COLUMN,
+    FAINT,
+    GRID,
+    INK,
+    STICK,
+    arrow,
+    note,
+    page,
+    panel_letter,
+    place,
+    styled,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,21 +45,25 @@ ALT_OF_NUMERICS = (
     "slip velocity, a minus does not."
 )
 GLANCE_ALT = (
-    "Left: on an axis of c, the true value; that plus the numerical dissipation of backward Euler; the value that the "
-    "rebuilt simulation gives; and the printed one. The last three nearly coincide. Right: errors of the friction "
-    "force at each drive frequency by least squares: by the paper's fit, which errs by more than ten per cent off "
-    "resonance; with one mean phase for all levels, which errs by more; with the phase of the fundamental of each "
-    "level, below one per cent at the highest frequency; and far smaller by the Fourier energy balance."
+    "Left: on an axis of c, the true value; the rounded coefficient plus the numerical dissipation of backward Euler; "
+    "the value that the rebuilt simulation gives; and the printed one. The last three nearly coincide. Right: errors "
+    "of the friction force at each drive frequency by least squares: by the paper's fit, which errs by more than ten "
+    "per cent off resonance; with one mean phase for all levels, which errs by more; with the phase of the "
+    "fundamental of each level, below one per cent at the highest frequency; and far smaller by the Fourier energy "
+    "balance."
 )
 
 PRINTED: dict[str, Any] = {"marker": "o", "ls": "none", "color": STICK, "ms": 4.2, "zorder": 5}
 REBUILT, OTHER, THIRD = LOOKS["X_s"].colour, LOOKS["V_s"].colour, SPARE[0].colour
-_OF_SCHEME = {
-    "backward-euler": (REBUILT, "o"),
-    "explicit-euler": (OTHER, "D"),
-    "trapezoidal": (FAINT, "v"),
-    "rk4": (FAINT, "^"),
+_OF_SCHEME: Mapping[str, dict[str, Any]] = {
+    "backward-euler": {"marker": "o", "ms": 3.4, "color": REBUILT, "zorder": 4},
+    "explicit-euler": {"marker": "D", "ms": 3.4, "color": OTHER, "mfc": "none"},
+    "semi-implicit-euler": {"marker": "s", "ms": 3.2, "color": THIRD, "lw": 0.6, "ls": DASHED},
+    # a cross inside a ring: the two lie on each other
+    "trapezoidal": {"marker": "o", "ms": 5.0, "color": INK, "mfc": "none", "label": "trapezoidal"},
+    "rk4": {"marker": "x", "ms": 2.6, "color": FAINT, "zorder": 4, "label": "Runge–Kutta"},
 }
+"""Scheme → how its errors are drawn against the step."""
 _MARKERS: Sequence[Mapping[str, Any]] = (
     {"marker": "o", "color": PRINTED["color"]},
     {"marker": "D", "color": FAINT},
@@ -54,7 +71,7 @@ _MARKERS: Sequence[Mapping[str, Any]] = (
     {"marker": "s", "color": REBUILT},
 )
 LEFTS, COLUMN_WIDTHS = (15.0, 74.0, 133.0), 42.0  # mm: of the panels
-BOTTOMS, ROW_HEIGHTS = (69.0, 11.0), 38.0
+BOTTOMS, ROW_HEIGHTS = (62.5, 10.5), 34.0
 
 
 class Evidence(NamedTuple):
@@ -170,20 +187,24 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
     error = e.steps["c_N_s_per_m"] * e.steps["c_relative_error__direct__least_squares"]
     h = 1e6 * e.steps["step_s"]
     for scheme, rows in e.steps.groupby("scheme", sort=False):
-        colour, marker = _OF_SCHEME.get(str(scheme), (FAINT, "x"))
-        look: dict[str, Any] = {"ls": "none", "marker": marker, "ms": 3.4, "color": colour}
-        look |= {"mew": 0.8} | ({"zorder": 4} if marker == "o" else {"zorder": 3, "mfc": "none"})
+        look: dict[str, Any] = {
+            "ls": "none",
+            "marker": "x",
+            "color": FAINT,
+            "mew": 0.8,
+            "zorder": 3,
+        }
+        look |= _OF_SCHEME.get(str(scheme), {})
         axes.plot(h[rows.index], error[rows.index], **look)
     line = np.geomspace(h.min(), h.max(), 50)
     for sign in (1.0, -1.0):
         axes.plot(line, sign * 1e-6 * oscillator.m * e.omega**2 * line, color=FAINT, lw=0.8)
     names = {
-        r"backward Euler, $m\omega^2h$": 0.9,
-        "semi-implicit Euler": 3e-4,
-        "trapezoidal, Runge–Kutta": -2e-5,
-        r"explicit Euler, $-m\omega^2h$": -0.9,
+        r"backward Euler, $m\omega^2h$": 1.2,
+        "semi-implicit Euler": 6e-4,
+        r"explicit Euler, $-m\omega^2h$": -1.2,
     }
-    _words(axes, 12.0, names)
+    _words(axes, 11.0, names)
     printed = float(e.printed("c", "least_squares", "direct")[0]) - oscillator.c
     star = {"marker": "*", "ms": 8.0}
     axes.plot([1e6 * step_s], [printed], **(PRINTED | star))
@@ -191,6 +212,9 @@ def _steps(axes: Axes, e: Evidence, oscillator: Oscillator, step_s: float) -> No
     signed_axis(axes, SignedScale(1e-6, -10.0, 10.0))
     axes.set_xticks([2, 5, 10, 20, 40, 80], ["2", "5", "10", "20", "40", "80"])
     axes.minorticks_off()
+    look = {"columnspacing": 0.5, "handletextpad": 0.1, "handlelength": 1.2, "borderpad": 0.15}
+    look |= {"frameon": True, "fancybox": False, "edgecolor": GRID, "framealpha": 1.0}
+    axes.legend(loc="center left", bbox_to_anchor=(-0.01, 0.3), ncols=2, fontsize=7.0, **look)
     axes.set(xlabel=r"step $h$ (µs)", ylabel="error of $c$ (N s/m)")
     axes.yaxis.labelpad = 0.0
 
@@ -270,31 +294,34 @@ pairs, and each level's φ in its least squares."""
 
 
 @styled()
-def glance(evidence: Evidence, oscillator: Oscillator, step_s: float) -> Figure:
-    """Draw two panels: (a) c: the true one, with the mω²h of the scheme, and by direct integration from the rebuilt
-    simulation and in print; (b) the errors of F_k by least squares at each frequency."""
+def glance(evidence: Evidence, c: float, effective_c: float) -> Figure:
+    """Draw two panels: (a) the damping: the true one, the one that the simulated motion shows, and those by direct
+    integration from the rebuilt simulation and in print; (b) the errors of F_k by least squares at each frequency.
+
+    c : true damping, N s/m.   effective_c : `replication.authors_route.effective_damping`, N s/m.
+    """
     e, fit = evidence, ("c", "least_squares", "direct")
-    true, added = oscillator.c, oscillator.m * e.omega**2 * step_s
     rebuilt, printed = float(e.of("as_published", *fit).iloc[0]), float(e.printed(*fit)[0])
     frequencies = select(e.numbers, quantity="omega", kind="parameter")["exact"].to_list()
     fits = select(e.numbers, quantity="F_k", kind="least_squares", unit="%")
     figure = page(DOUBLE_COLUMN, 53.0)
     left, right = (place(figure, x, 11.0, wide, 36.0) for x, wide in ((28.0, 50.0), (96.0, 82.0)))
     rows = {
-        "true $c$": (true, {"marker": "D", "color": INK}),
-        r"true $c + m\omega^2h$": (true + added, {"marker": "^", "color": FAINT}),
+        "true $c$": (c, {"marker": "D", "color": INK}),
+        r"rounded $c + m\omega^2h$": (effective_c, {"marker": "^", "color": FAINT}),
         "rebuilt": (rebuilt, {"marker": "s", "color": REBUILT}),
         "printed": (printed, {"marker": "o", "color": PRINTED["color"]}),
     }
-    for n, (c, mark) in enumerate(rows.values()):
-        left.plot([c], [n], ls="none", ms=4.5, zorder=3, **mark)
-        note(left, f"{c:.4f}", (c, n), (5.0, 0.0), "left", "center", size=8.0)
-    arrow(left, (true, 1.0), (true + 0.96 * added, 1.0), FAINT)
-    left.axvline(true, color=FAINT, lw=0.5, ls=":")
+    for n, (value, mark) in enumerate(rows.values()):
+        left.plot([value], [n], ls="none", ms=4.5, zorder=3, **mark)
+        note(left, f"{value:.4f}", (value, n), (5.0, 0.0), "left", "center", size=8.0)
+    arrow(left, (c, 1.0), (c + 0.96 * (effective_c - c), 1.0), FAINT)
+    left.axvline(c, color=FAINT, lw=0.5, ls=":")
     left.axvline(printed, color=PRINTED["color"], lw=0.5, ls=":")
     left.set_yticks(range(len(rows)), list(rows))
     left.set_ylim(len(rows) - 0.5, -0.6)
-    left.set_xlim(true - 0.25 * added, true + 1.6 * added)
+    reach = max(abs(effective_c - c), abs(printed - c))
+    left.set_xlim(c - 0.25 * reach, c + 1.6 * reach)
     left.ticklabel_format(axis="x", useOffset=False)
     left.locator_params(axis="x", nbins=4)
     left.tick_params(axis="y", length=0)

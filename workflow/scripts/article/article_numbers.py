@@ -20,6 +20,7 @@ from dampbalance.project.files import read_csv, write_rows
 from dampbalance.publishing.article import compiling
 from dampbalance.publishing.article import derived_numbers as derived
 from dampbalance.publishing.provenance.manifest import software
+from dampbalance.replication.authors_route import effective_damping
 from dampbalance.replication.claims.rivals import rivals
 from dampbalance.replication.numbers import by_key, features_of, with_claims
 from dampbalance.studies.reading_study import read_study
@@ -39,12 +40,13 @@ def of_environment(packages, citation):
     return derived.of_environment(versions, compiling.version(), needed, stated)
 
 
-def figures(seen, output, case):
+def figures(seen, output, case, frequency):
     oscillator, numerics = case.oscillator, case.numerics
     unit = numerics.tabulated["t_s_unit_s"]
     of_digits = how_digits_arose(seen, oscillator, numerics.step_s, unit)
     save(of_digits, output.numerics_svg, output.numerics_png, ALT_OF_NUMERICS)
-    findings = glance(seen, oscillator, numerics.step_s)
+    effective = effective_damping(case, case.omega(frequency))
+    findings = glance(seen, oscillator.c, effective)
     save(findings, output.glance_svg, output.glance_png, GLANCE_ALT)
 
 
@@ -59,4 +61,4 @@ if __name__ == "__main__":
     rest = dict(of_studies(i, p.papers)) | of_environment(p.packages, i.citation)
     write_rows(o.derived, derived.table(own | rest))
     instants = derived.sampling_instants(cycles, numbers)
-    figures(Evidence(numbers, schemes, pd.read_parquet(i.steps), instants), o, case)
+    figures(Evidence(numbers, schemes, pd.read_parquet(i.steps), instants), o, case, p.frequency)

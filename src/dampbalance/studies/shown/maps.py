@@ -29,6 +29,7 @@ FINEST_LEVEL = 0.1  # of the bound: no lines at smaller errors
 LEAST_COLOURED, MOST_COLOURED = 1e-2, 1e3
 
 RIGHT_OF_MAPS = 17.0  # mm
+SIDE_BY_SIDE = 4  # panels of a single approach that fit into a row
 SIGNED, SIZES = "coolwarm", "viridis_r"
 """Colours of errors with a sign, from blue to red through a light grey at zero, and of sizes, the larger the darker:
 both change evenly to the eye, and for colour-blind readers."""
@@ -76,7 +77,8 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
     Where each place is one case, its error with the sign. Where it stands for several (a sample, further axes), the
     size that nine of ten do not exceed: the thick line encloses the region in which they are within the bound.
     Rows: the terms, with each phase definition. Columns: approaches; one that takes no phase has a panel as high as
-    all rows of a term. An approach that is exact in every case is named below the panels and not drawn.
+    all rows of a term. A single approach has up to four panels side by side instead. An approach that is exact in every
+    case is named below the panels and not drawn.
     """
     within, names = 100.0 * study.figure.get("within", 0.01), [study.figure[x] for x in ("x", "y")]
     x, y = (_axis(study, name) for name in names)
@@ -97,20 +99,24 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
     kinds = [*dict.fromkeys((fit.phase, fit.sharing) for fit, _ in shown if fit.phase)]
     rows = [(symbol, *kind) for symbol in symbols for kind in kinds or [("", "")]]
     norm, lines = _scale([of.ravel() for of in shown.values()], signed, within)
-    panels = grid(len(rows), len(approaches), right=RIGHT_OF_MAPS, most=40.0)
+    single = len(approaches) == 1 and len(rows) <= SIDE_BY_SIDE
+    shape = (1, len(rows)) if single else (len(rows), len(approaches))
+    panels = grid(*shape, right=RIGHT_OF_MAPS, most=32.0 if single else 40.0)
     lowest: dict[int, Axes] = {}
     for (fit, symbol), values in shown.items():
         column, kind = approaches.index(fit.approach), (symbol, fit.phase, fit.sharing)
         covered = [
             i for i, row in enumerate(rows) if row == kind or (not fit.phase and row[0] == symbol)
         ]
+        if single:
+            column, covered = rows.index(kind), [0]
         axes = panels.panel(covered[-1], column, rows=len(covered))
         _draw(
             axes, x, y, values, norm, {line: 1.2 if abs(line) == within else 0.5 for line in lines}
         )
-        axes.tick_params(labelbottom=covered[-1] == len(rows) - 1, labelleft=column == 0)
+        axes.tick_params(labelbottom=covered[-1] == shape[0] - 1, labelleft=column == 0)
         lowest[column] = axes  # the last row comes last
-        if covered[0] == 0:
+        if covered[0] == 0 and not single:
             axes.set_title(in_maths(label_of(fit.approach)), pad=14.0)  # above what the panel shows
         if column == 0:
             panels.name_row(axes, parameter(names[1]).label)
@@ -123,20 +129,22 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
         note(axes, text, (0.0, 1.0), (0.0, 2.0), size=7.5, xycoords="axes fraction")
     clear_labels([lowest[column] for column in sorted(lowest)])
     panels.text_below(parameter(names[0]).label)
-    words = [f"In each panel: share of the cases within {within:g} %."]
+    what = "error" if signed else f"error that {100 * REGION:g} % of the cases do not exceed"
+    # beside a single row there is no room for more than a word
+    by = f"Colour: {what}, by {in_maths(label_of(approaches[0]))}. " if single else ""
+    words = [f"{by}Above each panel: share of the cases within {within:g} %."]
     if any(np.isnan(values).any() for values in shown.values()):
         words.append("Grey: not identified.")
     if exact:
         words.append(f"Exact: {listed([bounded_label(key, exact[key]) for key in exact])}.")
     panels.text_below(" ".join(words), level=4.0)
-    left, tall = DOUBLE_COLUMN - RIGHT_OF_MAPS + 2.0, panels.tall(len(rows))
+    left, tall = DOUBLE_COLUMN - RIGHT_OF_MAPS + 2.0, panels.tall(shape[0])
     bar = place(panels.figure, left, panels.bottom, 3.0, tall)
     ticks = sorted({*lines, 0.0}) if signed else lines
     scale = panels.figure.colorbar(axes.collections[0], cax=bar, ticks=ticks)
     scale.minorticks_off()
     bar.set_yticklabels([minus(f"{tick:g}") for tick in ticks])
-    what = "error" if signed else f"error that {100 * REGION:g} % of the cases do not exceed"
-    scale.set_label(f"{what} (%)", labelpad=2.0)
+    scale.set_label("error (%)" if single else f"{what} (%)", labelpad=2.0)
     return panels.figure
 
 
@@ -224,7 +232,7 @@ def _draw(
         look = {"colors": INK, "linewidths": [*crossed.values()], "linestyles": "solid"}
         drawn = axes.contour(x.centres, y.centres, smooth, [*crossed], **look)
         drawn.set_path_effects(_HALO)
-        look = {"fontsize": 6.0, "inline_spacing": 1.0, "fmt": lambda level: minus(f"{level:g} %")}
+        look = {"fontsize": 6.0, "inline_spacing": 1.0, "fmt": lambda level: minus(f"{level:g}")}
         labels: list[Any] = [*axes.clabel(drawn, **look)]
         for label in labels:
             label.set_path_effects(_HALO)

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
@@ -50,7 +51,8 @@ def alternative_text(study: Study) -> str:
     """Return what the figure shows, in one sentence."""
     figure = study.figure
     symbols = dict.fromkeys(s for fit in study.fits_of(figure) for s in fit.identified)
-    identified = f"the identified {listed([*symbols])}"
+    by = f" by {label_of(figure['approach'])}" if "approach" in figure else ""
+    identified = f"the identified {listed([*symbols])}{by}"
     x, y = (parameter(figure.get(axis, figure["x"])).meaning for axis in ("x", "y"))
     shown = {
         "curves": f"size of the error of {identified} against {x}, with filled marks where it is too large",
@@ -70,7 +72,7 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s common to the levels, where
     it has such curves; dashed: of each level. Filled marks: too large; open marks: too small. Where the harmonic
     approaches agree, one curve stands for them all. Where a curve stands for several fits (all pairs) it is the worst.
-    An approach of which every curve is exact is named in the legend, with the bound of its error, and not drawn.
+    An approach of which every curve is exact is named below the panels, with the bound of its error, and not drawn.
     """
     figure, x = study.figure, column_of(cases, study.figure["x"])
     fits, places = study.fits_of(figure), np.unique(x)
@@ -82,7 +84,9 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
     shown = list(_panels(study, cases))
     panels = grid(len(symbols), len(shown))
     exact: dict[str, float] = {}
-    drawn: set[str] = set()
+    marks: dict[
+        str, set[bool]
+    ] = {}  # of each curve drawn: whether it has filled ones, and open ones
     for row, symbol in enumerate(symbols):
         here, sizes = [], []
         for column, (title, phase, those) in enumerate(shown):
@@ -102,9 +106,9 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
             for sharing, errors in curves.items():
                 dashed = sharing == INDIVIDUAL and len(sharings) > 1
                 for name, error in _with_common_curve(errors, harmonic).items():
-                    drawn.add(name)
                     offset = ([*looks].index(name) + 0.3 + 0.4 * dashed) / len(looks)
-                    _draw_size(axes, x[those], error, looks[name], dashed, offset)
+                    fills = _draw_size(axes, x[those], error, looks[name], dashed, offset)
+                    marks.setdefault(name, set()).update(fills)
             if row == 0 and title:
                 axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
         # %: a larger error is not drawn
@@ -116,26 +120,34 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
             _marks(axes, study, label=row == 0)
         panels.name_row(here[0], f"error of ${symbol}$ (%)")
     clear_labels(here)
-    panels.text_below(parameter(figure["x"]).label)
-    # the approaches by colour, those that are not drawn by the bound of their error; φ and t_s by the line; the sign
-    label_of_common = ", ".join(in_maths(label_of(name)) for name in harmonic)
-    handles = [
-        _handle(label_of_common if name == HARMONIC else in_maths(label_of(name)), look)
-        for name, look in looks.items()
-        if name in drawn
-    ]
-    handles += [
-        Line2D([], [], lw=0.0, label=bounded_label(name, bound))
+    bounds = [
+        bounded_label(name, bound)
         for name, bound in exact.items()
-        if name not in drawn and not (name in harmonic and HARMONIC in drawn)
+        if name not in marks and not (name in harmonic and HARMONIC in marks)
     ]
+    undrawn = f"; exact, and not drawn: {listed(bounds)}" if bounds else ""
+    panels.text_below(parameter(figure["x"]).label + undrawn)
+    # the approaches by colour; φ and t_s by the line; the sign
+    label_of_common = ", ".join(in_maths(label_of(name)) for name in harmonic)
+    shown_looks = {name: look for name, look in looks.items() if name in marks}
+    entries: dict[str, Line2D | tuple[Line2D, ...]] = {}
+    for name, look in shown_looks.items():
+        label = label_of_common if name == HARMONIC else in_maths(label_of(name))
+        entries[label] = Line2D([], [], color=look.colour, lw=1.2, marker=look.marker, ms=3.6)
     for name, style in ((COMMON, "-"), (INDIVIDUAL, DASHED)) if len(sharings) > 1 else ():
-        label = rf"{name} $\varphi$, $t_s$"
-        handles.append(Line2D([], [], color=FAINT, lw=0.9, ls=style, label=label))
-    for name, fill in (("too large", FAINT), ("too small", PAPER_COLOUR)):
-        mark: dict[str, Any] = {"marker": "o", "ms": 3.6, "mfc": fill, "color": FAINT}
-        handles.append(Line2D([], [], lw=0.0, label=name, **mark))
-    panels.legend_below(handles, columnspacing=1.2, handlelength=1.8, handletextpad=0.5)
+        entries[rf"{name} $\varphi$, $t_s$"] = Line2D([], [], color=FAINT, lw=0.9, ls=style)
+    for label, filled in (("too large", True), ("too small", False)):
+        of_sign = [look for name, look in shown_looks.items() if filled in marks[name]]
+        if of_sign:
+            entries[label] = tuple(Line2D([], [], **_mark(look, filled)) for look in of_sign)
+    panels.legend_below(
+        [*entries.values()],
+        labels=[*entries],
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0.2)},
+        columnspacing=1.2,
+        handlelength=1.8,
+        handletextpad=0.5,
+    )
     return panels.figure
 
 
@@ -168,14 +180,17 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
     }
 
 
-def _draw_size(axes: Axes, x: Array, error: Array, look: Look, dashed: bool, offset: float) -> None:
-    """Draw the size of an error as a curve with marks, filled where it is positive and open where it is negative.
+def _draw_size(
+    axes: Axes, x: Array, error: Array, look: Look, dashed: bool, offset: float
+) -> set[bool]:
+    """Draw the size of an error as a curve with marks, filled where it is positive and open where it is negative, and
+    return which of the two there are: True for filled ones, False for open ones.
 
     Few cases are marked each; of more, marks are spread over each stretch of one sign.   offset : of the marks from
     those of other curves, as a share of their distance.
     """
-    style: dict[str, Any] = {"color": look.colour, "lw": 0.9, "ls": DASHED if dashed else "-"}
-    axes.plot(x, np.abs(error), **style)
+    axes.plot(x, np.abs(error), color=look.colour, lw=0.9, ls=DASHED if dashed else "-")
+    fills = set()
     known = np.flatnonzero(np.isfinite(error))
     ends = (np.diff(known) > 1) | (np.diff(np.sign(error[known])) != 0.0)
     step = 1 if len(x) <= FEW else len(x) // MARKS
@@ -184,14 +199,16 @@ def _draw_size(axes: Axes, x: Array, error: Array, look: Look, dashed: bool, off
         if not marked.size and stretch.size > step // 4:
             marked = stretch[[stretch.size // 2]]
         if marked.size:
-            fill = look.colour if error[stretch[0]] > 0.0 else PAPER_COLOUR
-            mark = {"marker": look.marker, "ms": 3.6, "mew": 0.7, "mfc": fill, "ls": ""}
-            axes.plot(x[marked], np.abs(error[marked]), **style | mark)
+            fills.add(filled := bool(error[stretch[0]] > 0.0))
+            axes.plot(x[marked], np.abs(error[marked]), **_mark(look, filled))
+    return fills
 
 
-def _handle(label: str, look: Look) -> Line2D:
-    """Return the entry of an approach in a legend."""
-    return Line2D([], [], color=look.colour, label=label, lw=1.2, marker=look.marker, ms=3.6)
+def _mark(look: Look, filled: bool) -> dict[str, Any]:
+    """Return how the marks of an approach are drawn."""
+    fill = look.colour if filled else PAPER_COLOUR
+    mark = {"marker": look.marker, "ms": 3.6, "mew": 0.7, "mfc": fill, "ls": ""}
+    return mark | {"color": look.colour}
 
 
 def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers]]:
