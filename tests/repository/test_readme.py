@@ -18,14 +18,14 @@ from dampbalance.figures.rig_drawings import rigs
 from dampbalance.identification.pictures import draw
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims.causes import Sources
-from dampbalance.replication.claims.evidence import free_choices
+from dampbalance.replication.claims.evidence import chance, free_choices
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
 from dampbalance.replication.comparison import off_resonance
 from dampbalance.studies.reading_study import read_study
 from folders import ROOT
 from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
-from replication.routes import CASE, PRINT, approaches, nothing
+from replication.routes import CASE, PRINT, approaches, judged, nothing
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
@@ -104,6 +104,15 @@ def test_the_causes_of_failure_have_the_sizes_quoted():
         f"errs by {at['paper']}, {below['paper']} and {above['paper']}.",
     ):
         assert words in text
+
+
+def test_the_exact_numbers_that_may_agree_by_chance_are_counted():
+    n = chance(judged())
+    assert (
+        f"{n['close']} exact numbers agree in all digits but the last, and {n['within']} lie within five units of it. "
+        f"Of these {n['within']}, one in ten, {n['expected']:.0f}, is expected to round to the printed number by "
+        f"chance; {n['observed']} do (at least as many with probability {n['p']:.2f})"
+    ) in " ".join(RESULTS.split())
 
 
 def test_the_table_of_studies_counts_their_cases():
