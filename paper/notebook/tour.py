@@ -487,7 +487,7 @@ figure.tight_layout()
 # ## From records
 #
 # At a bench nobody hands you an orbit. You have sampled signals with noise, and want to know how sure the answer is.
-# Record the same five levels below resonance.
+# Record the same five levels at 3.5 Hz.
 
 # %%
 from dampbalance import identify, measured_orbit
@@ -518,7 +518,8 @@ axes = measured.plot("balance")
 # Guess first, then change a cell and look. The outcomes are computed below each question.
 #
 # **1. Overlook the compliance.** Suppose you never saw the microstick line and took the contact for rigid, $X_s =
-# -X$. How much longer is the distance slid, and how much worse does the X_s approach become at resonance?
+# -X$. How much longer is the distance slid, and how much worse does the X_s approach become at resonance? (All levels
+# have equal weights here, as in the paper.)
 
 # %% tags=["outcome"]
 rigid = features.replaced(X_s=-features.X)

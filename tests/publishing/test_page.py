@@ -84,9 +84,30 @@ def test_the_headline_counts_what_is_computed(tree, made):
     assert f"Of the {len(computed)} computed numbers" in lead
     for verdict, n in computed["verdict"].value_counts().items():
         assert re.search(rf"\b{n} {verdict.replace('differs', 'differ')}", lead), verdict
+    n = computed["verdict"].value_counts()
+    choices = sum(int(made.derived[f"choices.{name}"]) for name in ("continuous", "discrete"))
+    headline = said(tree.one("p", id="headline"))
+    assert (
+        f"Of {len(computed)} computed numbers, {n['reproduced']} follow from the model" in headline
+    )
+    assert (
+        f"{n['simulated']} from a reconstruction fitted to the digits ({choices} choices)"
+        in headline
+    )
+    assert (
+        f"{n['unexplained']} come close without a known cause, and {n['differs']} differ."
+        in headline
+    )
+    assert sum(map(int, re.findall(r"(?<!\()\b\d+", headline)[1:])) == len(computed)
     proof = said(tree.one("p", id="proof"))
-    expected, observed = (made.derived[f"chance.{name}"] for name in ("expected", "observed"))
-    assert f"{expected}, is expected to agree in the last as well, and {observed} do" in proof
+    close, within, observed = (
+        made.derived[f"chance.{name}"] for name in ("close", "within", "observed")
+    )
+    assert (
+        f"{close} exact numbers agree there in all digits except the last, and {within} lie"
+        in proof
+    )
+    assert f"is expected to round to print, and {observed} do" in proof
     added, largest = (float(made.derived[name]) for name in ("added", "largest.fourier.F_k"))
     findings = tree.one("section", id="findings")["text"]
     assert f"{added:.4f} N s/m" in findings

@@ -18,15 +18,17 @@ from dampbalance.figures.rig_drawings import rigs
 from dampbalance.identification.pictures import draw
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims.causes import Sources
+from dampbalance.replication.claims.evidence import chance, free_choices
 from dampbalance.replication.claims.table import claims_table
 from dampbalance.replication.claims.verdicts import VERDICTS, counts
 from dampbalance.replication.comparison import off_resonance
 from dampbalance.studies.reading_study import read_study
 from folders import ROOT
 from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
-from replication.routes import CASE, PRINT, approaches, nothing
+from replication.routes import CASE, PRINT, approaches, judged, nothing
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 RESULTS = (ROOT / "results/README.md").read_text(encoding="utf-8")
 STUDIES = (ROOT / "config/studies/README.md").read_text(encoding="utf-8")
 GALLERY = (ROOT / "paper/site/studies.md").read_text(encoding="utf-8")
@@ -49,13 +51,18 @@ def test_the_verdicts_are_those_on_record():
     del table[1]  # the rule below the head
     assert table == [[*map(str, row)] for row in zip(names, *columns, strict=True)]
     total = counted[-1].of_verdict
-    exact = sum(total[name] for name in ("reproduced", "simulated", "from print"))
     near = sum(total[name] for name in ("last digit", "reading", "propagated"))
-    assert (
-        f"Of {counted[-1].computed} numbers that the paper computes, {exact} come out to the last printed digit, "
-        f"{near} within one unit of it or within the rounding of what was printed, {total['unexplained']} agree "
-        f"without a known cause, and {total['differs']} differ"
-    ) in " ".join(README.split())
+    choices = sum(len(of) for of in free_choices(CASE).values())
+    for text in (README, CITATION):
+        assert (
+            f"Of {counted[-1].computed} computed numbers, {total['reproduced']} follow from the model alone, "
+            f"{total['simulated']} from a reconstruction fitted to the digits ({choices} choices) and "
+            f"{total['from print']} from the paper's own arithmetic; {near} are within one unit of the last digit or "
+            f"the resolution of reading or rounding, {total['unexplained']} come close without a known cause, and "
+            f"{total['differs']} differ."
+        ) in " ".join(text.split())
+    undecided = recorded["verdict"][recorded["kind"] == "statement"].eq("undecided").sum()
+    assert f"{undecided} of the {counted[-1].statements} statements is." in RESULTS
 
 
 def decay_with_fit():
@@ -97,6 +104,15 @@ def test_the_causes_of_failure_have_the_sizes_quoted():
         f"errs by {at['paper']}, {below['paper']} and {above['paper']}.",
     ):
         assert words in text
+
+
+def test_the_exact_numbers_that_may_agree_by_chance_are_counted():
+    n = chance(judged())
+    assert (
+        f"{n['close']} exact numbers agree in all digits but the last, and {n['within']} lie within five units of it. "
+        f"Of these {n['within']}, one in ten, {n['expected']:.0f}, is expected to round to the printed number by "
+        f"chance; {n['observed']} do (at least as many with probability {n['p']:.2f})"
+    ) in " ".join(RESULTS.split())
 
 
 def test_the_table_of_studies_counts_their_cases():

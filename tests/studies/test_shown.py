@@ -243,19 +243,18 @@ def test_numbers_are_at_the_parameters_that_they_name(shipped, name, what, of):
 
 
 # Derived by independent code from exact orbits, to half a unit of the digits given: the worst pair of the Fourier
-# balance at 11.1 Hz where the features named are rounded, X, X_s and X_n to 10 µm, φ_1 to three decimals.
+# balance at 11.1 Hz where X and X_s, φ_1, and X_1, X_3 and X_5 keep these decimals.
 @pytest.mark.parametrize(
-    ("what", "error", "half"),
-    [
-        ("fourier_five", 0.773, 0.0005),  # X, X_s
-        ("fourier_phase", 2.8, 0.05),  # φ_1 as well
-        ("fourier_table_1", 6.5, 0.05),  # X_1, X_3, X_5 as well
-        ("fourier_one_more", 0.35, 0.005),  # all of them to one more
-    ],
-)
-def test_the_fourier_balance_needs_the_decimals_of_all_that_it_reads(shipped, what, error, half):
-    stated = shipped("read_out")[what].removesuffix(" %")
-    assert float(stated) == pytest.approx(error, abs=half * (1.0 + 1e-9))
+    ("X", "phi", "X_n", "error", "half"),
+    [(5, 15, 15, 0.773, 0.0005), (5, 3, 15, 2.8, 0.05), (5, 3, 5, 6.5, 0.05), (6, 4, 6, 0.35, 0.005)],
+)  # fmt: skip
+def test_the_fourier_balance_needs_the_decimals_of_all_that_it_reads(
+    computed, says, X, phi, X_n, error, half
+):
+    made, _, path = computed(read_yaml(ROOT / "config/studies/read_out.yaml"))
+    at = f"X_decimals={X}, phi_decimals={phi}, X_n_decimals={X_n}, frequency_hz=11.1"
+    stated = says(made, path, f"{{{{ errors('F_k', 'fourier', fit='pairs').at({at}).signed }}}}")
+    assert 100.0 * float(stated) == pytest.approx(error, abs=half * (1.0 + 1e-9))
 
 
 @pytest.mark.parametrize(("number_of", "hz"), [(1, 4.92), (3, 11.1)])
