@@ -1,4 +1,4 @@
-"""The rows of the balance by plain direct integration of noisy signals, with nothing fitted and nothing filtered.
+"""The rows of the balance by plain Simpson integration of noisy signals, with nothing fitted and nothing filtered.
 
 The velocity is the central difference of the displacement, and each cycle is integrated by Simpson's rule:
 

@@ -204,7 +204,7 @@ WEIGHTED, EQUAL = "weighted", "equal"
 
 SIMPSON, LIKELIHOOD = "simpson", "fit"
 YARDSTICKS = (SIMPSON, LIKELIHOOD)
-"""Yardsticks of approaches on noisy records: plain direct integration (`studies.simpson`), which takes a
+"""Yardsticks of approaches on noisy records: plain Simpson (`studies.simpson`), which takes a
 rigid contact and equal weights, and the maximum-likelihood oscillator, which needs no balance."""
 
 CONTACT = "K_z"
