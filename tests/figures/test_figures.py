@@ -141,7 +141,7 @@ def test_figure3_marks_what_table_1_lists_and_frames_what_it_enlarges(made, orbi
         mark = line(axes, label)
         assert mark.get_xdata() == pytest.approx([x] * 2)
         assert mark.get_ydata()[1] == pytest.approx(acceleration, rel=1e-9)
-    assert "$X_{1} + X_{1s}$ = 12.31 µm" in texts(b.texts)
+    assert "$X + X_s$ = 12.31 µm" in texts(b.texts)
     for zoomed, whole in ((b, figure["a"]), (d, figure["c"])):
         (frame,) = whole.patches
         ends = [*zoomed.get_xlim(), *zoomed.get_ylim()]

@@ -137,8 +137,8 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
     """Draw figure 3: acceleration against (a) displacement, (b) its microsticking line, (c) velocity, (d) its corner.
 
     orbits : the responses of one frequency, one per excitation level. (b) and (d) enlarge the first that slips
-    and mark where −X_i, X_is and V_is are read: the microsticking line runs from −X_i to X_is, the corner
-    stands at V_is. Where nothing slips they name the regime instead.
+    and mark where −X, X_s and V_s are read: the microsticking line runs from −X to X_s, the corner stands at V_s.
+    Where nothing slips they name the regime instead.
     Raises ValueError when there is no orbit.
     """
     if not orbits:
@@ -152,7 +152,7 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
         axes.set_ylabel(r"acceleration $\ddot{x}$ (m/s$^2$)")
     for orbit in orbits:
         _name_loop(a, c, orbit, _draw(a, c, orbit), first=orbit is orbits[0])
-    level, onset = next(((i, o) for i, o in enumerate(orbits, 1) if o.X_s > -o.X), (0, None))
+    onset = next((orbit for orbit in orbits if orbit.X_s > -orbit.X), None)
     if onset is None:
         for axes in (b, d):
             axes.set(xticks=[], yticks=[])
@@ -168,17 +168,17 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
     ):
         axes.set(xlim=limits, ylim=(bottom - 0.6 * drop, top + 0.25 * drop))
         axes.xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
-    # (b): the line from −X_i to X_is and its length, which with one slip onset is 2 Z_m
-    _mark(b, x_reversal, top, f"$-X_{{{level}}}$", "-X", "right")
-    _mark(b, x_slip, bottom, f"$X_{{{level}s}}$", "X_s", "left")
+    # (b): the line from −X to X_s and its length, which with one slip onset is 2 Z_m
+    _mark(b, x_reversal, top, "$-X$", "-X", "right")
+    _mark(b, x_slip, bottom, "$X_s$", "X_s", "left")
     span = bottom - 0.2 * drop
     arrow(b, (x_reversal, span), (x_slip, span), INK, "<->,head_length=0.2,head_width=0.12")
-    words = f"$X_{{{level}}} + X_{{{level}s}}$ = {length * 1e3:.4g} µm"
+    words = f"$X + X_s$ = {length * 1e3:.4g} µm"
     note(b, words, (x_slip, span), (4, 0), va="center")
     x, words = x_reversal + 0.8 * length, "microstick,\n" r"slope $\approx {-}(k + K_z)/m$"
     b.text(x, bottom + 0.5 * drop, words, color=STICK, va="center", linespacing=1.3)
-    # (d): the corner where microstick gives way to slip, at V_is
-    _mark(d, V_s, bottom, f"$V_{{{level}s}}$", "V_s", "left")
+    # (d): the corner where microstick gives way to slip, at V_s
+    _mark(d, V_s, bottom, "$V_s$", "V_s", "left")
     d.text(V_s, bottom + 0.6 * drop, "microstick", color=STICK, va="center")
     for state, name in ((slips[-1], "backward slip"), (slips[0], "forward slip")):
         _name_and_arrow(b, state.x * 1e3, state.acceleration, name)

@@ -16,7 +16,7 @@ from ..model import Oscillator
 from ..solver import levels_of
 from .grid import grid, signed_axis
 from .looks import HARMONIC_LOOK, bounded_label, in_maths, label_of, look_of
-from .series import COMMON, EXACT, INDIVIDUAL, signed_scale
+from .series import COMMON, EXACT, INDIVIDUAL, SHARINGS, signed_scale
 from .style import DASHED, FAINT, omega_of, styled
 
 if TYPE_CHECKING:
@@ -28,10 +28,6 @@ SMALLEST = 0.01  # %: smaller errors are drawn on the linear part of the axis
 ALIKE = 0.1  # decades, 0.3 mm: marks whose errors differ by less would hide each other
 _TERM = TERMS["F_k"]
 _BELOW = "excitation levels $Y_i$–$Y_j$ of the pair (mm); all: least squares over all levels"
-_SHARING = {
-    COMMON: r"common $\varphi$, $t_s$",
-    INDIVIDUAL: r"individual $\varphi_i$, $t_{is}$",
-}
 
 Errors = dict[tuple[str, str, str, str], float]
 """(frequency, approach, phase, pair or ALL) → relative error, %, with its sign."""
@@ -169,7 +165,7 @@ def _entries(group: Sequence[str], exact: Mapping[str, float]) -> list[Line2D]:
         bounded_label(key, exact[key]) if key in exact else in_maths(label_of(key)) for key in group
     )
     names = {
-        phase: f"{label}: {_SHARING[phase]}" if takes_phase(group[0]) else label
+        phase: f"{label}: {SHARINGS[phase]}" if takes_phase(group[0]) else label
         for phase in _phases(group)
     }
     return [Line2D([], [], label=name, **_drawing(group, of)) for of, name in names.items()]

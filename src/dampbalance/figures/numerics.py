@@ -242,7 +242,7 @@ def _slip_time(axes: Axes, e: Evidence, step_s: float, unit_s: float) -> None:
     inside = np.floor((t - 2.0 * step_s) / unit_s + 1e-9) * unit_s
     bar: dict[str, Any] = {"marker": "_", "ms": 9.0, "mew": 1.4, "ls": "none", "color": REBUILT}
     axes.plot(Y, 1e3 * t, label="exact", color=OTHER, ls="--")
-    axes.plot(Y, 1e3 * inside, label=f"rounded down to {1e3 * unit_s:g} ms", **bar)
+    axes.plot(Y, 1e3 * inside, label="reconstructed", **bar)
     axes.plot(Y, 1e3 * e.printed("t_s"), label="printed", **PRINTED)
     axes.legend(loc="upper right", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     axes.set_ylabel("$t_s$ (ms)")

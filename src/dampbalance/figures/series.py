@@ -11,8 +11,8 @@ import numpy as np
 from ..arrays import Array
 
 COMMON, INDIVIDUAL = "common", "individual"
-SHARINGS = {INDIVIDUAL: "of each level", COMMON: "common to all levels"}
-"""Whether levels share φ and t_s, in words, in the order of legends."""
+SHARINGS = {INDIVIDUAL: r"own $\varphi$, $t_s$", COMMON: r"mean $\varphi$, $t_s$"}
+"""Whether levels share φ and t_s, as legends say it: each level's own, or the mean of all levels."""
 EXACT = 1e-5  # %: an approach nowhere worse than this is exact to rounding (which uneven levels magnify)
 
 

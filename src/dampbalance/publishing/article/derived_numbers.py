@@ -61,6 +61,10 @@ def derived_numbers(
         **setting(case, exact[first]),
         **verdict_counts(claims),
         **rows("chance", evidence.chance(claims)),
+        **rows(
+            "chance.but_V_s",
+            evidence.chance(claims[~claims["id"].str.startswith("table1.V_s.")]),
+        ),
         **rows("V_s", evidence.slip_velocities(numbers, cycles)),
         **rows("routes", evidence.by_route(claims)),
         **rows("choices", {n: len(of) for n, of in evidence.free_choices(case).items()}),
@@ -135,6 +139,7 @@ def verdict_counts(claims: pd.DataFrame) -> Rows:
     for count in verdicts.counts(claims):
         others = {"computed": count.computed, "given": count.given}
         others |= {"statement": count.statements, "statements_held": count.statements_held}
+        others |= {"statements_undecided": count.statements_undecided}
         counted |= rows(f"verdicts.{count.key}", {**count.of_verdict, **others})
     for name, verdict in verdicts.VERDICTS.items():
         counted |= rows(f"verdict.{name}", {"mark": verdict.mark, "meaning": verdict.meaning})
@@ -212,9 +217,11 @@ def integral_deviations(
 ) -> Rows:
     """Return relative deviations of the printed a, b and W of Table 2.
 
-    dev : from the exact ones, at the highest level.   rebuilt : from the rebuilt ones, the largest in size; b at the
-    first level by itself.   c_over_m, unrounded : the largest of W from a simulation with c/m alone rounded, and with
-    no coefficient rounded.   by_hand : likewise, from the exact solver with the damping of the simulation put in.
+    dev : from the exact ones, at the highest level.
+    rebuilt : from the rebuilt ones, the largest in size; b at the first level by itself.
+    c_over_m, unrounded : the largest of W from a simulation with c/m alone rounded, and with no coefficient rounded.
+    by_hand : likewise, from the exact solver with the damping of the simulation put in.
+    c.print_but_first : c, N s/m, by least squares of the printed integrals without the first level, whose b is off.
     """
     printed = {name: _printed(numbers, name) for name in of_routes.TABLE_2}
     off = {name: of / getattr(exact, name) - 1.0 for name, of in printed.items()}
@@ -222,6 +229,9 @@ def integral_deviations(
     derived = rows("dev", {name: of[-1] for name, of in off.items()})
     largest = {"a": _largest(a), "b": _largest(b[1:]), "b.first": abs(b[0]), "W": _largest(W)}
     derived |= rows("rebuilt", largest)
+    terms = np.column_stack([printed["a"], printed["b"]])[1:]
+    _, c = np.linalg.lstsq(terms, printed["W"][1:], rcond=None)[0]
+    derived["c.print_but_first"] = (float(c), "N s/m")
     others = {
         "c_over_m": ("backward-euler", "c_over_m"),
         "unrounded": ("backward-euler", "exact"),
@@ -278,7 +288,7 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
     how much of itself W misses print at most.
     instants.chance : the probability that random instants agree as well as those of the as-published simulation do in
     every cycle (`evidence.chance_of_instants`), for each setting that was tried.
-    cycles : number of cycles of the as-published simulation, and of other steps tried.
+    cycles : number of cycles of the as-published simulation, of other steps and of all other settings tried.
     other_damping : of the trials with another c, put in by hand, the one whose instants agree best: its c, its spread,
     and by how much of itself its W misses print at most.
 
@@ -294,6 +304,7 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
     derived = rows(
         "cycles", {"count": cycles["cycle"].nunique(), "steps": others["step_s"].nunique()}
     )
+    derived |= rows("cycles", {"settings": sizes.groupby(SIMULATION).ngroups - 1})
     of_W = sizes.groupby("trial")["W"].max()
     for name, of in spreads:
         derived |= rows(f"instants.{name}", {"min": of.min(), "max": of.max(), "W": of_W[name]})
@@ -347,7 +358,8 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
 
     W_peak : the peak X in place of the amplitude X_1 of the fundamental.
     W_which : sin φ of the reversal in place of sin φ of the fundamental, level by level.
-    W_shared : the sine of the mean φ of the reversal in place of that of each level's own.
+    W_shared : the sine of the mean φ of the reversal in place of that of each level's own; W_shared_right : of the
+    mean φ of the fundamental, which shows what sharing costs alone.
 
     b_fifth : error of πωΣn²X_n² up to n = 5, its largest size.   third : the largest X_3/X_1.
     """
@@ -355,7 +367,9 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
     work = np.pi * osc.k * features.Y * features.X
     sine = np.sin(features.phi_reversal)
     sines = {"reversal": sine, "fundamental": np.sin(features.phi_fundamental)}
-    shared = np.sin(np.mean(features.phi_reversal))
+    shared, shared_right = (
+        np.sin(np.mean(phi)) for phi in (features.phi_reversal, features.phi_fundamental)
+    )
     harmonics = {1: features.X_1, 3: features.X_3, 5: features.X_5}
     b_fifth = 100.0 * (viscous_integral(features.omega, harmonics) / b - 1.0)
     spread = {name: 100.0 * (np.ptp(of) / np.mean(of)) for name, of in sines.items()}
@@ -371,6 +385,7 @@ def balance_terms(frequency: str, features: Features, osc: Oscillator) -> Rows:
         **ends("W_peak", 100.0 * (features.X / features.X_1 - 1.0)),
         **ends("W_which", 100.0 * (sine / sines["fundamental"] - 1.0)),
         **ends("W_shared", 100.0 * (shared / sine - 1.0)),
+        **ends("W_shared_right", 100.0 * (shared_right / sines["fundamental"] - 1.0)),
         **rows(f"spread.{frequency}", spread, "%"),
         **rows("third", {frequency: (100.0 * features.X_3 / features.X_1).max()}, "%"),
         **rows(f"b_fifth.{frequency}", {"size": _largest(b_fifth)}, "%"),

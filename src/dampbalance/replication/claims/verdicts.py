@@ -88,7 +88,7 @@ class Count(NamedTuple):
     key : of the part, as the ids of its claims begin, or "all".
     of_verdict : name of the verdict → how many computed numbers earn it.
     given, given_held : inputs, and those that the configuration holds.
-    statements, statements_held : bounds and words, and those that hold.
+    statements, statements_held, statements_undecided : bounds and words, those that hold, and those left open.
     """
 
     key: str
@@ -97,6 +97,7 @@ class Count(NamedTuple):
     given_held: int
     statements: int
     statements_held: int
+    statements_undecided: int
 
     @property
     def part(self) -> str:
@@ -122,7 +123,9 @@ def counts(claims: pd.DataFrame) -> list[Count]:
         )
         of_verdict = {name: computed.count(name) for name in VERDICTS}
         held = [sum(map(verdicts.count, HOLDING)) for verdicts in (given, statements)]
-        counted.append(Count(key, of_verdict, len(given), held[0], len(statements), held[1]))
+        undecided = statements.count(UNDECIDED.name)
+        numbers = len(given), held[0], len(statements), held[1], undecided
+        counted.append(Count(key, of_verdict, *numbers))
     return counted
 
 

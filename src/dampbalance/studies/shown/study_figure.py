@@ -135,7 +135,7 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
         label = label_of_common if name == HARMONIC else in_maths(label_of(name))
         entries[label] = Line2D([], [], color=look.colour, lw=1.2, marker=look.marker, ms=3.6)
     for name, style in ((COMMON, "-"), (INDIVIDUAL, DASHED)) if len(sharings) > 1 else ():
-        entries[rf"{name} $\varphi$, $t_s$"] = Line2D([], [], color=FAINT, lw=0.9, ls=style)
+        entries[SHARINGS[name]] = Line2D([], [], color=FAINT, lw=0.9, ls=style)
     for label, filled in (("too large", True), ("too small", False)):
         of_sign = [look for name, look in shown_looks.items() if filled in marks[name]]
         if of_sign:
