@@ -10,7 +10,7 @@ put x = X cos(ωt − φ) into the integrals and so share b and W; they differ i
 limits the friction travel a: by its displacement X_s, by its time t_s or by its velocity V_s. A rigid contact is the
 limit X_s → −X, t_s → 0, V_s → 0 of each: a = 4X.
 
-The Fourier energy balance, which is not in the paper, assumes no shape of x(t): of a harmonic base's work it is the
+The Fourier balance, which is not in the paper, assumes no shape of x(t): of a harmonic base's work it is the
 fundamental alone that counts, exactly, and the odd harmonics make up the viscous integral. It holds off resonance.
 
 A row is NaN where its response lacks a feature (nothing slips). The solver of `solver.py` leaves such rows out.
@@ -181,7 +181,7 @@ def slip_velocity_as_printed(features: Features, k: ArrayLike) -> Rows:
 
 
 def fourier(features: Features, k: ArrayLike) -> Rows:
-    """Return rows of the Fourier energy balance: no shape of x(t) is assumed, but that the base moves as y = Y cos ωt.
+    """Return rows of the Fourier balance: no shape of x(t) is assumed, but that the base moves as y = Y cos ωt.
 
         a = 2(X − X_s)                    as the X_s approach: ẋ keeps its sign from slip onset to reversal, so (7a)
                                           telescopes, exactly, for two reversals and one onset per half cycle

@@ -49,7 +49,7 @@ GLANCE_ALT = (
     "the value that the rebuilt simulation gives; and the printed one. The last three nearly coincide. Right: errors "
     "of the friction force at each drive frequency by least squares: by the paper's fit, which errs by more than ten "
     "per cent off resonance; with one mean phase for all levels, which errs by more; with the phase of the "
-    "fundamental of each level, below one per cent at the highest frequency; and far smaller by the Fourier energy "
+    "fundamental of each level, below one per cent at the highest frequency; and far smaller by the Fourier "
     "balance."
 )
 

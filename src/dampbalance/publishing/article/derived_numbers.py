@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ... import solver
 from ...balance import TERMS, viscous_integral
 from ...features import FEATURE_COLUMNS, Features
 from ...model import Oscillator
@@ -229,9 +230,8 @@ def integral_deviations(
     derived = rows("dev", {name: of[-1] for name, of in off.items()})
     largest = {"a": _largest(a), "b": _largest(b[1:]), "b.first": abs(b[0]), "W": _largest(W)}
     derived |= rows("rebuilt", largest)
-    terms = np.column_stack([printed["a"], printed["b"]])[1:]
-    _, c = np.linalg.lstsq(terms, printed["W"][1:], rcond=None)[0]
-    derived["c.print_but_first"] = (float(c), "N s/m")
+    but_first = solver.Rows({"F_k": printed["a"], "c": printed["b"]}, printed["W"])[1:]
+    derived["c.print_but_first"] = (float(solver.least_squares(but_first)["c"]), "N s/m")
     others = {
         "c_over_m": ("backward-euler", "c_over_m"),
         "unrounded": ("backward-euler", "exact"),
