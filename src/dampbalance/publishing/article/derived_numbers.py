@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ... import solver
+from ... import balance, solver
 from ...balance import TERMS, viscous_integral
 from ...features import FEATURE_COLUMNS, Features
 from ...model import Oscillator
@@ -230,7 +230,7 @@ def integral_deviations(
     derived = rows("dev", {name: of[-1] for name, of in off.items()})
     largest = {"a": _largest(a), "b": _largest(b[1:]), "b.first": abs(b[0]), "W": _largest(W)}
     derived |= rows("rebuilt", largest)
-    but_first = solver.Rows({"F_k": printed["a"], "c": printed["b"]}, printed["W"])[1:]
+    but_first = balance.Rows({"F_k": printed["a"], "c": printed["b"]}, printed["W"])[1:]
     derived["c.print_but_first"] = (float(solver.least_squares(but_first)["c"]), "N s/m")
     others = {
         "c_over_m": ("backward-euler", "c_over_m"),
