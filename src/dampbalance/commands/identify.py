@@ -82,8 +82,8 @@ def run(options: argparse.Namespace) -> bool:
     shown, width = answer, shutil.get_terminal_size().columns
     if options.json != _SCREEN:
         shown = result.text(width) if options.details else result.screen(width, details="--details")
-    print(shown, end="")
-    places, drawn = [], ""
+    print(shown, end="", file=options.screen if options.json == _SCREEN else None)
+    places, drawn = options.written, ""
     if document is not None:
         write_text(document, answer)
         places.append(str(document))
@@ -125,6 +125,7 @@ def _write_mapping(options: argparse.Namespace) -> None:
     is_usual = all(find_mapping(record) == file for record in options.records)
     use = "without --write-mapping" if is_usual else f"with --mapping {file} instead"
     todo = f'Fill in what "{BLANK}" stands for' if blanks else "Check each line"
+    options.written.append(str(file))
     print(f"{text}\nWritten to {file}. {todo}, then give the same command {use}.")
 
 
