@@ -314,6 +314,7 @@ def test_help_names_no_option_that_the_command_lacks(command, answer):
         ("identfy", "identify"),
         ("identify a.csv --stifness=400", "--stiffness"),
         ("identify a.csv --no-lws", "--no-laws"),
+        ("identify a.csv -mass 3", "--mass"),
         ("simulate a.csv --frequency 3 --ampltude 1", "--amplitude"),  # which is missing, too
         ("release a.csv --quite", "--quiet"),
     ],

@@ -25,8 +25,9 @@ COMMANDS = {
 """Modules of this room, each loaded only when it is called: its imports take longer than showing help. Its docstring is
 the help, its first paragraph before the arguments."""
 
-_ALL = {"--quiet": {"action": "store_true", "help": "show nothing but errors"}}
-"""Arguments of every command."""
+_QUIET: dict[str, Any] = {"action": "store_true", "help": "show nothing but errors"}
+_ALL = {"--quiet": {**_QUIET, "default": argparse.SUPPRESS}}
+"""Arguments of every command, which may stand before its name, too."""
 
 _LONGEST = 1000  # characters of a line
 _NO_MEMORY = "memory ran out: ask for less, or give shorter records"
@@ -54,7 +55,7 @@ class _Completion(argparse.Action):
 
 
 def parser(
-    named: Collection[str] = tuple(COMMANDS), paths: Mapping[str, str] | None = None
+    named: Collection[str] = tuple(COMMANDS), paths: Mapping[str, Any] | None = None
 ) -> argparse.ArgumentParser:
     """Return the parser of the command line; of its commands, only those that are named know their arguments.
 
@@ -66,6 +67,7 @@ def parser(
         epilog="See dampbalance COMMAND --help.",
     )
     top.add_argument("--version", action="version", version=f"dampbalance {__version__}")
+    top.add_argument("--quiet", **_QUIET)
     top.add_argument(
         "--print-completion",
         action=_Completion,
@@ -101,7 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Raises KeyboardInterrupt where it is interrupted, with a note of the files that were written before.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
-    if wrong := _misspelt(*arguments):
+    if wrong := _misspelt(*(one for one in arguments if one not in _ALL)):
         print(f"dampbalance{cut(visible(wrong), _LONGEST)}", file=sys.stderr)
         return 2
     options = parser(arguments).parse_args(arguments)
@@ -134,14 +136,14 @@ def _misspelt(command: str = "", *arguments: str) -> str:
     if command not in COMMANDS:
         wrong = f": error: no command {shortened(command)}" * (command[:1] not in ("", "-"))
         return wrong and f"{wrong}{did_you_mean(command, COMMANDS)}; known: {', '.join(COMMANDS)}"
-    known = ["--help"]
+    known = ["-h", "--help"]
     for of, form in (_ALL | import_module(f".{command}", __package__).ARGUMENTS).items():
         known += [of] * of.startswith("--")
         known += [f"--no-{of[2:]}"] * (form.get("action") is argparse.BooleanOptionalAction)
     for argument in takewhile(lambda one: one != "--", arguments):
         name = argument.partition("=")[0]
         # with a blank it is a value to `argparse`; the beginning of an option stands for it
-        option = name.startswith("--") and " " not in argument
+        option = re.match("--?[a-z]", name) and " " not in argument
         if option and not any(one.startswith(name) for one in known):
             wrong = f" {command}: error: no option {shortened(name)}"
             return f"{wrong}{did_you_mean(name, known)}; see dampbalance {command} --help"
