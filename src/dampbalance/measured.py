@@ -114,8 +114,9 @@ def identify(
     for any kind.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
-    stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
-    and c. Only tables of responses to a force, measured loops and steady speeds do without.
+    stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0), or a text
+    with its unit, "2.31 ± 0.01 N/mm"; it scales F_k and c. Only tables of responses to a force, measured loops and
+    steady speeds do without.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced", "ring-down", "stepped-sine", "loops" or "friction-speed", where it is not to be recognised:
     tables by their columns of frequency and phase, or of velocity and force in both directions without times; measured

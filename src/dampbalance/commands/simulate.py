@@ -133,7 +133,12 @@ def _steady_record(options: argparse.Namespace, **common: Any) -> Record:
     if options.sliders and options.law:
         raise ValueError("--sliders and --law cannot be combined: leave out one")
     osc = oscillator(options, law, 0.0 if options.sliders else FRICTION)
-    Y = _amplitude(options.amplitude, common["channels"], osc.k)
+    by_force = _driven_by_force(common["channels"])
+    if by_force and "c_r" in law:
+        raise ValueError(
+            "--law c_r: the base, which it is relative to, rests under a force: give c"
+        )
+    Y = _amplitude(options.amplitude, by_force) / (osc.k if by_force else 1.0)
     motion = BaseMotion(Y=Y, omega=2.0 * math.pi * options.frequency)
     cycle = f"a cycle of {options.frequency:g} Hz"
     require_brief(osc, 1.0 / options.frequency, cycle, "a higher --frequency", bool(law))
@@ -149,23 +154,24 @@ def _steady_record(options: argparse.Namespace, **common: Any) -> Record:
 run = writing(_steady_record, _CHANNELS)
 
 
-def _amplitude(text: str, channels: Sequence[str], k: float) -> float:
-    """Return the amplitude of the base, m; a force f stands for a base motion f/k.
+def _driven_by_force(channels: Sequence[str]) -> bool:
+    """Return whether the channel that drives is a force, which stands for a base motion f/k, or a torque.
 
-    text : the amplitude, of the force where that is the channel that drives; it may have a unit.
-
-    Raises ValueError where several channels drive, or the amplitude is no such number.
+    Raises ValueError where several channels drive.
     """
     driving = [one for one in channels if ROTATING.get(one, one) in EXCITATIONS]
     if len({*driving}) > 1:
         raise ValueError(f"only one of {listed(driving)} can drive: leave out the other --channel")
-    by_force = [ROTATING.get(one, one) for one in driving] == ["force"]
+    return [ROTATING.get(one, one) for one in driving] == ["force"]
+
+
+def _amplitude(text: str, of_force: bool) -> float:
+    """Return the amplitude of the base, m, or of the force, N, from a text that may have a unit."""
     try:
-        amplitude = read_number("--amplitude", text, Bounds("N") if by_force else NUMBERS["Y"])
+        return read_number("--amplitude", text, Bounds("N") if of_force else NUMBERS["Y"])
     except ValueError as error:
-        other = "the base, name its" if by_force else "a force, name that and no base as"
+        other = "the base, name its" if of_force else "a force, name that and no base as"
         raise ValueError(f"{error}; for that of {other} --channel") from None
-    return amplitude / k if by_force else amplitude
 
 
 def require_brief(

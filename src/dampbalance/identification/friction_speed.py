@@ -17,7 +17,7 @@ from ..findings.finding import Finding
 from ..fit.friction_speed import DEPARTURES, SpeedFit, SteadySpeeds, fit_speeds
 from ..fit.select import Selection
 from ..law.terms import FRICTION
-from ..project.options import Stated, options_of
+from ..project.options import Stated, options_of, with_options
 from ..project.wording import listed
 from ..records.channel import OF_FORCE
 from ..records.mapping import MappingLike
@@ -82,6 +82,7 @@ class SpeedBasis:
         return {"speeds": Picture(drawn.speeds, (self.laws.fit,))}
 
 
+@with_options
 def identify_friction_speed(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
@@ -106,6 +107,7 @@ def identify_friction_speed(
     table or several of one contact. Reduce samples in time to a mean at each steady speed beforehand.
     stiffness : leave it out: there is no oscillator.
     mapping : what the tables do not say of their columns, where they are read here.
+    The options of the signature, which `help` describes.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a table
     without velocity or force, or with fewer rows than numbers to identify.
