@@ -20,6 +20,7 @@ from typing import Any
 
 from ..arguments import Bounds, path
 from ..arrays import ReadOnly
+from ..project.wording import listed
 from .channel import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError
@@ -158,6 +159,12 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     remedy."""
     from ..project.documents import against_schema, in_lines, read_schema
 
+    if blanks := [*_blanks(document)]:
+        at, remedy = (
+            listed(blanks),
+            "fill them in, or delete the lines of columns that are not needed",
+        )
+        raise RecordError(f'{source}: there are still blanks, "{BLANK}", at {at}: {remedy}')
     problems = against_schema(document, read_schema(SCHEMA))
     problems = problems or list(_contradictions(document))
     if problems:
@@ -171,6 +178,13 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     table = ReadOnly({q: _rule(q, rule) for q, rule in keys.pop("table", {}).items()})
     rules = ReadOnly({ROTATING.get(q, q): _rule(q, rule) for q, rule in channels.items()})
     return RecordMapping(source, rules, time.get("channel"), time.get("unit"), table=table, **keys)
+
+
+def _blanks(document: Any, above: str = "") -> Iterator[str]:
+    """Yield the keys of a draft at which something is to be filled in."""
+    for key, value in document.items() if isinstance(document, Mapping) else ():
+        blank = str(key).endswith(BLANK) or value == BLANK
+        yield from [f"{above}{key}"] if blank else _blanks(value, f"{above}{key}.")
 
 
 def _rule(of: str, stated: Mapping[str, Any]) -> ChannelRule:

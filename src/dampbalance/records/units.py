@@ -24,6 +24,8 @@ from .channel import ABSOLUTE, QUANTITIES, ROTATING
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 
 VOLTAGE = "a voltage"  # any transducer may give one: the `scale` of a mapping makes a motion of it
+VOLTS = {"V": 1.0, "mV": 1e-3, "µV": 1e-6, "μV": 1e-6, "uV": 1e-6}
+"""Volts per unit in which a sensitivity is stated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +102,9 @@ def split_label(label: str) -> tuple[str, str | None]:
     # characters of a heading: the search for its unit takes their square
     if len(label) > 1000:
         return label, None
-    if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
+    if match := re.fullmatch(
+        r"(.*?)\s*[\[({<（]\s*(?!\d+[\])}>）])([^\])}>）]*?)\s*[\])}>）]", label
+    ):
         return match[1].rstrip(" /,;:"), match[2] or None
     match = re.fullmatch(r"(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]\s*(\S.*)", label)
     if match and find_unit(match[2]):  # Position (m) Run #1
