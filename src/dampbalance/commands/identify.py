@@ -194,7 +194,7 @@ _RESULTS = {
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "records": argument(
-        "one file per level, at least as many as coefficients; one is enough for a free decay",
+        "one file per level, at least as many as coefficients, or their folder; one for a free decay",
         nargs="+",
         type=Path,
         metavar="RECORD",

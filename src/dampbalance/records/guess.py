@@ -442,12 +442,8 @@ class Guesses:
 
     def _far(self, first: int, other: int) -> bool:
         """Return whether a column that moves as another goes farther, or less far, than it does."""
-        units = [find_motion(unit_of(self.channels[i]) or "") for i in (first, other)]
-        sizes = [
-            of.factor * np.nanstd(self.values[i])
-            for i, of in zip((first, other), units, strict=True)
-            if of
-        ]
+        units = ((i, find_motion(unit_of(self.channels[i]) or "")) for i in (first, other))
+        sizes = [of.factor * np.nanstd(self.values[i]) for i, of in units if of]
         return len(sizes) == 2 and bool(abs(sizes[1] / sizes[0] - 1.0) > _ONE)
 
     def _are_one(self, found: dict[int, Guess], columns: Sequence[int]) -> bool:

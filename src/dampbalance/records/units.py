@@ -98,13 +98,11 @@ def split_label(label: str) -> tuple[str, str | None]:
     What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
     The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
     """
-    label = label.strip()
+    label = label.strip().translate(_BRACKETS)
     # characters of a heading: the search for its unit takes their square
     if len(label) > 1000:
         return label, None
-    if match := re.fullmatch(
-        r"(.*?)\s*[\[({<（]\s*(?!\d+[\])}>）])([^\])}>）]*?)\s*[\])}>）]", label
-    ):
+    if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
         return match[1].rstrip(" /,;:"), match[2] or None
     match = re.fullmatch(r"(.+?)\s*[\[(]\s*([^\])]+?)\s*[\])]\s*(\S.*)", label)
     if match and find_unit(match[2]):  # Position (m) Run #1
@@ -196,6 +194,7 @@ def _plain(text: str) -> str:
     return text.translate(_CHARACTERS).strip("[](){} \t\n")
 
 
+_BRACKETS = str.maketrans("（）［］", "()[]")  # of Chinese and Japanese
 _CHARACTERS = str.maketrans("μ²³⁴¹⁻", "µ2341-")
 _TABLE = tomllib.loads(files(__package__).joinpath("units.toml").read_text(encoding="utf-8"))
 _OTHERS = {unit: what for what, units in _TABLE["others"].items() for unit in units}

@@ -189,15 +189,14 @@ def wav_file(path: Path) -> Table:
         warnings.simplefilter("ignore", wavfile.WavFileWarning)
         warnings.filterwarnings("error", "Reached EOF(?!.* expected 4294967303 )")
         rate, data = wavfile.read(path)
-    parts: dict[str, Any] = {}
     if data.dtype.kind in "iu":
-        parts = {"scale": math.nan, "described": "recorded as parts of full scale"}
         full = 2.0 ** (8 * data.dtype.itemsize - 1)
         data = data / full - (data.dtype.kind == "u")
     columns, channels = data.reshape(len(data), -1).T, list[RawChannel]()
     for number, column in enumerate(columns, start=1):
         raws = channels_of(f"channel {number}", column, {"sample_rate_hz": rate})
-        channels += [replace(raw, **parts) for raw in raws]
+        parts = "recorded as parts of full scale"
+        channels += [replace(raw, scale=math.nan, described=parts) for raw in raws]
     return Table(path, channels)
 
 
