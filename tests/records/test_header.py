@@ -135,6 +135,10 @@ def test_a_sensitivity_of_a_channel_without_a_unit_leaves_its_scale_to_be_filled
 def test_volts_and_parts_of_full_scale_have_neither_unit_nor_scale_in_a_draft(tmp_path):
     """Drafts that guessed a unit, used as they were, gave numbers off by a factor."""
     path = write(tmp_path, "t [s],base [V],mass [V]", [T, BASE, MASS])
+    rules = {q: {"channel": i, "unit": "mm"} for i, q in enumerate(MM, 2)}
+    with pytest.raises(RecordError, match=r"what is the scale of 'base \[V\]'"):
+        read(path, {"channels": rules})
+    same(path, MM, mapping={"channels": {q: of | {"scale": 1.0} for q, of in rules.items()}})
     scipy.io.wavfile.write(
         tmp_path / "run.wav", 2500, (9e3 * np.stack([BASE, MASS], 1)).astype("i2")
     )

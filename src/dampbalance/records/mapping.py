@@ -43,14 +43,14 @@ Which = str | int  # a channel by its name, or by its number counted from 1
 class ChannelRule:
     """The channel of a quantity: value in SI = sign · scale · reading · (the unit in SI).
 
-    unit : of scale · reading, None for what the file says.   time : its own time channel, None for the common one.
-    correction : of its harmonics; None for none.   file : that it stands in, from the folder of the record on; None for
-    the record itself.   standard_error : of a table, the column that holds that of this one, in its unit.
+    unit : of scale · reading, None for what the file says.   scale : None for what the file says, 1 where it has no
+    volts.   time : its own time channel, None for the common one.   correction : of its harmonics; None for none.
+    file : that it stands in, from the folder of the record on; None for the record itself.   standard_error : of a table, the column that holds that of this one, in its unit.
     """
 
     channel: Which
     unit: str | None = None
-    scale: float = 1.0
+    scale: float | None = None
     sign: int = 1
     time: Which | None = None
     correction: Correction | None = None

@@ -107,14 +107,13 @@ def _pick(
         raise RecordError(
             f"{guesses.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
         )
-    # the file knows the scale of its own unit
-    factor = rule.sign * rule.scale * (1.0 if rule.unit else raw.scale)
-    if math.isnan(factor):
-        raise _asked(
-            guesses,
-            f"what is the scale of {guesses.names[index]}?",
-            f"Say it at channels.{quantity}",
-        )
+    scale = raw.scale if rule.scale is None else rule.scale
+    # of volts, and of what the file scales, a unit alone does not say it
+    unscaled = find_other(raw.unit or "") == VOLTAGE or raw.scale != 1.0
+    if math.isnan(scale) or (rule.unit and rule.scale is None and unscaled):
+        what = f"what is the scale of {guesses.names[index]}?"
+        raise _asked(guesses, what, f"Say it at channels.{quantity}")
+    factor = rule.sign * scale
     factor *= _unit(guesses, index, rule.unit or unit_of(raw), rule.coordinate.key(quantity))
     pick = Pick(
         *(quantity, index, raw.name, factor),

@@ -189,14 +189,15 @@ def wav_file(path: Path) -> Table:
         warnings.simplefilter("ignore", wavfile.WavFileWarning)
         warnings.filterwarnings("error", "Reached EOF(?!.* expected 4294967303 )")
         rate, data = wavfile.read(path)
+    parts, scale = "", 1.0
     if data.dtype.kind in "iu":
+        parts, scale = "recorded as parts of full scale", math.nan
         full = 2.0 ** (8 * data.dtype.itemsize - 1)
         data = data / full - (data.dtype.kind == "u")
     columns, channels = data.reshape(len(data), -1).T, list[RawChannel]()
     for number, column in enumerate(columns, start=1):
         raws = channels_of(f"channel {number}", column, {"sample_rate_hz": rate})
-        parts = "recorded as parts of full scale"
-        channels += [replace(raw, scale=math.nan, described=parts) for raw in raws]
+        channels += [replace(raw, scale=scale, described=parts) for raw in raws]
     return Table(path, channels)
 
 
