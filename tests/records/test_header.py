@@ -99,7 +99,7 @@ def test_a_rate_that_is_not_clear_is_asked_for(tmp_path, line):
 SENSORS = {
     "Channel 1: Table, sensitivity 98.7 mV/g\nChannel 2: Mass, sensitivity 10.4 mV/g\nt [s],Ch1 [V],Ch2 [V]":
         ([T, 0.0987 * BASE, 0.0104 * MASS], IN_G),
-    "CH 1 = Base accelerometer (51 mV/g)\nCH 2 = Mass laser, 0.4 mm/V\nt [s],CH 1 (mV),CH 2 (V)":
+    "CH 1 (Base accelerometer) = 51 mV/g\nCH 2 = Mass laser, 0.4 mm/V\nt [s],CH 1 (mV),CH 2 (V)":
         ([T, 51.0 * BASE, MASS / 0.4], MIXED),
     "Kanal 1: Tisch, 10.06 mV/(m/s²)\nKanal 2: Masse, 0.5 m/s²/mV\nZeit [s],Kanal 1 [mV],Kanal 2 [mV]":
         ([T, 10.06 * G * BASE, G * MASS / 0.5], IN_G),

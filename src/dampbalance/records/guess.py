@@ -146,8 +146,9 @@ class Guesses:
             for some in (everything, *([i] for i in everything[:20])):
                 with suppress(RecordError):
                     held |= self.file.columns([i for i in some if i not in held])
-        scales = [1.0 if math.isnan(raw.scale) else raw.scale for raw in self.channels]
-        return {i: scales[i] * held.get(i, np.empty(0)) for i in everything}
+        scales = {i: self.channels[i].scale for i in held if self.channels[i].scale > 0.0}
+        held |= {i: scale * held[i] for i, scale in scales.items() if scale != 1.0}
+        return {i: held.get(i, np.empty(0)) for i in everything}
 
     @cached_property
     def times(self) -> list[int]:

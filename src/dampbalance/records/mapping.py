@@ -45,7 +45,8 @@ class ChannelRule:
 
     unit : of scale · reading, None for what the file says.   scale : None for what the file says, 1 where it has no
     volts.   time : its own time channel, None for the common one.   correction : of its harmonics; None for none.
-    file : that it stands in, from the folder of the record on; None for the record itself.   standard_error : of a table, the column that holds that of this one, in its unit.
+    file : that it stands in, from the folder of the record on; None for the record itself.
+    standard_error : of a table, the column that holds that of this one, in its unit.
     """
 
     channel: Which

@@ -31,7 +31,7 @@ _NUMBERED = (
     r"(?:ch|chan|channel|kanal|canal|voie|ai|input|eingang|sensor|通道|チャンネル)[\s.#_]*(\d+)"
 )
 _LINE = re.compile(r"\W*+([^:=,;|\t]+?)\s*([:=,;|\t])\s*(\S.*)")
-_HEADING = re.compile(rf"{_NUMBERED}|(\d+)", re.IGNORECASE)
+_HEADING = re.compile(rf"(?:{_NUMBERED}|(\d+))(?:\s*\(([^)]*)\))?", re.IGNORECASE)
 _SENSITIVITY = re.compile(
     rf"({_NUMBER})\s*([^\s,;|/]+(?:/s[²2^]*)?)\s*/\s*(\([^)]*\)|[^\s,;|)]+)", re.IGNORECASE
 )
@@ -104,7 +104,10 @@ def described(
         of, numbered = _sensor(text, decimal), _HEADING.fullmatch(head)
         # "Mass: 2.4 kg" is no channel, and between commas alone it may be a line of names
         if (numbered and mark in ":=") or of.scale > 0.0:
-            sensors[_key(head)] = of
+            given = numbered and numbered[3]  # Channel 1 (Table): 100.4 mV/g
+            sensors[_key(head)] = (
+                replace(of, name=given, described=f"{given}, {text}") if given else of
+            )
     own = {i: sensors.get(_key(split_label(raw.label)[0])) for i, raw in enumerate(columns)}
     others = len(columns) - len(sensors)
     if others in (0, 1) and not any(raw.label for raw in columns):
