@@ -49,11 +49,11 @@ def read_records(
 ) -> tuple[Record, ...]:
     """Return measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
-    records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
-    DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a `Table`, as
-    `records.readers.table` makes it; or a `Record`, of channels or already read. Columns and arrays are named like
-    those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number. A masked sample
-    is missing, as an empty cell of a file is.
+    records : one, or several. Each is the path of a file in any format (`config/records/README.md`), or of a folder of
+    them; a pandas DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a
+    `Table`, as `records.readers.table` makes it; or a `Record`, of channels or already read. Columns and arrays are
+    named like those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number. A
+    masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
     one; default, for a file, the one next to it.
     tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,

@@ -155,7 +155,8 @@ def against_schema(
     validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
     impossible = list(_impossible(document))
-    problems = [problem for error in errors for problem in _explain(error)]
+    # each of several keys that are missing is an error for all of them
+    problems = dict.fromkeys(problem for error in errors for problem in _explain(error))
     keys = {key for key, _ in impossible}
     return [problem for problem in problems if problem[0] not in keys] + impossible
 
