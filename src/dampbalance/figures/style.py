@@ -10,11 +10,13 @@ from __future__ import annotations
 import re
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ..project.files import replacing
 from .looks import HARMONIC_LOOK, LOOKS, SPARE
@@ -136,16 +138,59 @@ def note(
     return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
 
 
-def explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:
-    """Draw the figure with a legend at its foot of all that its panels show, marks so many times as large."""
+def explained(figure: Figure, scale: float = 1.0, ncols: int = 0) -> Figure:
+    """Return the figure with a legend at its foot of all that its panels show, marks so many times as large.
+
+    ncols : entries in a line of the legend; default, all of them.
+    """
     named = {
         label: handle
-        for axes, _ in panels
+        for axes in figure.axes
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     look: dict[str, Any] = {"loc": "lower center", "borderaxespad": 0.3, "markerscale": scale}
-    figure.legend([*named.values()], [*named], ncols=len(named), **look)
+    figure.legend([*named.values()], [*named], ncols=ncols or max(1, len(named)), **look)
     return figure
+
+
+def in_one_column(figure: Figure) -> Figure:
+    """Rearrange the panels of a figure below each other on a page of a single column, as for a phone.
+
+    They keep their height and the order in which they were drawn, and are as wide as their labels allow. The legend
+    takes as many lines as it needs.
+    """
+    mm = figure.dpi * MM
+    heights = [axes.get_window_extent().height / mm for axes in figure.axes]
+    figure.set_size_inches(SINGLE_COLUMN * MM, figure.get_figheight())
+    for axes in figure.axes:  # about as wide as they will be, as their ticks depend on it
+        axes.set_position((0.15, axes.get_position().y0, 0.8, axes.get_position().height))
+    boxes = [(axes.get_window_extent(), axes.get_tightbbox()) for axes in figure.axes]
+    left = 1.0 + max((frame.x0 - box.x0) / mm for frame, box in boxes)
+    right = 1.0 + max((box.x1 - frame.x1) / mm for frame, box in boxes)
+    over = [1.0 + (box.y1 - frame.y1) / mm for frame, box in boxes]
+    under = [1.0 + (frame.y0 - box.y0) / mm for frame, box in boxes]
+    foot = _narrow_legend(figure, SINGLE_COLUMN * mm) / mm
+    width, level = SINGLE_COLUMN - left - right, foot + sum((*heights, *over, *under))
+    figure.set_size_inches(SINGLE_COLUMN * MM, level * MM)
+    page = np.array([SINGLE_COLUMN, level, SINGLE_COLUMN, level])
+    for axes, height, above, below in zip(figure.axes, heights, over, under, strict=True):
+        level -= above + height
+        axes.set_position(tuple(np.array([left, level, width, height]) / page))
+        level -= below
+    return figure
+
+
+def _narrow_legend(figure: Figure, width: float) -> float:
+    """Draw the legend of a figure, if it has one, in lines of at most this width; return its height, both in dots."""
+    height = 0.0
+    for legend in [*figure.legends]:
+        ncols = len(legend.get_texts())
+        while (box := legend.get_window_extent()).width > width and ncols > 1:
+            legend.remove()
+            ncols -= 1
+            legend = explained(figure, legend.markerscale, ncols).legends[-1]
+        height = box.height
+    return float(height)
 
 
 def arrow(
