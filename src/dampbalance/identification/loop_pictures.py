@@ -98,6 +98,7 @@ def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Co
         axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
         axes.set(xlim=(0.0, None), ylim=(0.0, 1.08 * axes.dataLim.ymax))
         axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
+        axes.tick_params(axis="x", pad=5.0)  # clear of the zero along y
     return explained(figure)
 
 
