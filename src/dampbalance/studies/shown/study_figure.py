@@ -26,6 +26,7 @@ from ..case_files import CasesLike, column_of, terms_of
 from ..parameters import parameter
 from ..study_file import Estimator, Study, selected
 from .maps import error_map
+from .shown_as import shown_as
 from .statistics import spread_of, worst_errors
 
 FEW = 24  # cases on a curve up to which each is marked
@@ -74,7 +75,8 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
     approaches agree, one curve stands for them all. Where a curve stands for several fits (all pairs) it is the worst.
     An approach of which every curve is exact is named below the panels, with the bound of its error, and not drawn.
     """
-    figure, x = study.figure, column_of(cases, study.figure["x"])
+    figure, of_x = study.figure, shown_as(study, study.figure["x"])
+    x = of_x.factor * column_of(cases, figure["x"])
     fits, places = study.fits_of(figure), np.unique(x)
     identified = {fit.approach: fit.identified for fit in fits}
     symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
@@ -117,7 +119,7 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
             _x_axis(axes, figure["x"], places, last=column == len(shown) - 1)
             decades_axis(axes, (low, ROOM * high))
             axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
-            _marks(axes, study, label=row == 0)
+            _marks(axes, study, of_x.factor, label=row == 0)
         panels.name_row(here[0], f"error of ${symbol}$ (%)")
     clear_labels(here)
     bounds = [
@@ -126,7 +128,7 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
         if name not in marks and not (name in harmonic and HARMONIC in marks)
     ]
     undrawn = f"; exact, and not drawn: {listed(bounds)}" if bounds else ""
-    panels.text_below(parameter(figure["x"]).label + undrawn)
+    panels.text_below(of_x.label + undrawn)
     # the approaches by colour; φ and t_s by the line; the sign
     label_of_common = ", ".join(in_maths(label_of(name)) for name in harmonic)
     shown_looks = {name: look for name, look in looks.items() if name in marks}
@@ -225,7 +227,7 @@ def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers
         for name in dict.fromkeys(fit.phase for fit in study.fits if fit.phase):
             yield PHASE_WORDS[name], name, order
     else:
-        values, of = column_of(cases, by), parameter(by)
+        values, of = column_of(cases, by), shown_as(study, by)
         for value in dict.fromkeys(values.tolist()):
             yield of.titled(value), phase, order[values[order] == value]
 
@@ -243,10 +245,10 @@ def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
     axes.set_xlim(low, high)
 
 
-def _marks(axes: Axes, study: Study, label: bool) -> None:
-    """Mark the places on x that the study's figure names, above the frame."""
+def _marks(axes: Axes, study: Study, factor: float, label: bool) -> None:
+    """Mark the places on x that the study's figure names, above the frame.   factor : of values on x."""
     low, high = axes.get_xlim()
-    marks: Mapping[str, float] = study.figure.get("marks", {})
+    marks = {name: factor * value for name, value in study.figure.get("marks", {}).items()}
     for name, value in ((name, value) for name, value in marks.items() if low <= value <= high):
         axes.axvline(value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
         if label:
@@ -268,7 +270,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
     from the number of runs, 1.96 standard errors of the size, and the 95 % interval of the coverage.
     """
     name = study.figure["x"]
-    factor = 100.0 if name == "noise" else 1.0  # a part of the signal, in %
+    of_x = shown_as(study, name)
     lines, intervals = _lines(study), "intervals" in study.columns
     along, shown = column_of(cases, name), list(_panels(study, cases))
     symbols, low = terms_of(cases), _COVERAGE + _GAP if intervals else 0.0
@@ -277,7 +279,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
         drawn = []
         for column, (title, _, those) in enumerate(shown):
             places, first = np.unique(along[those], return_index=True)
-            x, runs = factor * places, np.split(those, first[1:])
+            x, runs = of_x.factor * places, np.split(those, first[1:])
             errors = panels.panel(row, column, low)
             below = [panels.panel(row, column, 0.0, _COVERAGE)] if intervals else []
             for axes, what in zip([errors, *below], ("errors", "coverage"), strict=False):
@@ -319,8 +321,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
         sizes = [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
         for axes in drawn:
             decades_axis(axes, decades(sizes))
-    of_x = parameter(name)
-    panels.text_below(f"{of_x.meaning} (%)" if name == "noise" else of_x.label)
+    panels.text_below(of_x.label)
     handles = []
     for label, (_, style) in zip(lines, _line_styles(lines), strict=True):
         del style["elinewidth"]
