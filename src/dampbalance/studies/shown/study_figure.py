@@ -24,7 +24,7 @@ from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
 from ..case_files import CasesLike, column_of, terms_of
 from ..parameters import parameter
-from ..study_file import Estimator, Study, selected
+from ..study_file import YARDSTICKS, Estimator, Study, selected
 from .maps import error_map
 from .shown_as import shown_as
 from .statistics import spread_of, worst_errors
@@ -32,6 +32,11 @@ from .statistics import spread_of, worst_errors
 FEW = 24  # cases on a curve up to which each is marked
 MARKS = 6  # on a curve of more
 BRIEF = 0.08  # of a curve
+_WIDTH, _BENEATH = (
+    0.9,
+    2.6,
+)  # of a curve, points; of one on which another lies, so that both are seen
+_APART = 0.05  # decades: less than half a millimetre in a panel of five, so that curves lie upon each other
 HARMONIC = "harmonic"  # the curve that stands for all approaches that take a phase
 PHASE_WORDS = {
     "reversal": "phase of the velocity reversal",
@@ -73,14 +78,15 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s common to the levels, where
     it has such curves; dashed: of each level. Filled marks: too large; open marks: too small. Where the harmonic
     approaches agree, one curve stands for them all. Where a curve stands for several fits (all pairs) it is the worst.
-    An approach of which every curve is exact is named below the panels, with the bound of its error, and not drawn.
+    A curve on which another lies is wider, so that both are seen. An approach of which every curve is exact is named
+    below the panels, with the bound of its error, and not drawn.
     """
     figure, of_x = study.figure, shown_as(study, study.figure["x"])
     x = of_x.factor * column_of(cases, figure["x"])
     fits, places = study.fits_of(figure), np.unique(x)
     identified = {fit.approach: fit.identified for fit in fits}
     symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
-    harmonic = [approach for approach in identified if takes_phase(approach)]
+    harmonic = [name for name in identified if name not in YARDSTICKS and takes_phase(name)]
     sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
     looks = {HARMONIC: HARMONIC_LOOK} | {approach: look_of(approach) for approach in identified}
     shown = list(_panels(study, cases))
@@ -105,12 +111,17 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
                         continue
                     curves.setdefault(sharing, {})[approach] = error
                     sizes.append(np.abs(error))
-            for sharing, errors in curves.items():
-                dashed = sharing == INDIVIDUAL and len(sharings) > 1
-                for name, error in _with_common_curve(errors, harmonic).items():
-                    offset = ([*looks].index(name) + 0.3 + 0.4 * dashed) / len(looks)
-                    fills = _draw_size(axes, x[those], error, looks[name], dashed, offset)
-                    marks.setdefault(name, set()).update(fills)
+            drawn = [
+                (name, sharing == INDIVIDUAL and len(sharings) > 1, error)
+                for sharing, errors in curves.items()
+                for name, error in _with_common_curve(errors, harmonic).items()
+            ]
+            for place, (name, dashed, error) in enumerate(drawn):
+                offset = ([*looks].index(name) + 0.3 + 0.4 * dashed) / len(looks)
+                hidden = any(_agree(error, later) for _, _, later in drawn[place + 1 :])
+                width = _BENEATH if hidden else _WIDTH
+                fills = _draw_size(axes, x[those], error, looks[name], dashed, offset, width)
+                marks.setdefault(name, set()).update(fills)
             if row == 0 and title:
                 axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
         # %: a larger error is not drawn
@@ -166,8 +177,7 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
         return dict(curves)
     errors = np.array([curves[name] for name in names])
     spread = np.ptp(np.log10(np.maximum(np.abs(errors), EXACT)), axis=0)
-    # decades: less than half a millimetre in a panel of five, so that curves would lie upon each other
-    alike = (spread < 0.05) & (np.ptp(np.sign(errors), axis=0) == 0.0)
+    alike = (spread < _APART) & (np.ptp(np.sign(errors), axis=0) == 0.0)
     brief = 1 + 2 * int(0.5 * BRIEF * alike.size)
     alike = binary_closing(np.pad(alike, brief, mode="edge"), np.ones(brief, bool))[brief:-brief]
     alike &= np.isfinite(errors).all(axis=0)
@@ -182,16 +192,23 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
     }
 
 
+def _agree(error: Array, other: Array) -> bool:
+    """Return whether two curves would lie upon each other over half of their length."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        apart = np.abs(np.log10(np.abs(error / other)))
+    return bool(np.count_nonzero(apart < _APART) > 0.5 * np.count_nonzero(np.isfinite(error)))
+
+
 def _draw_size(
-    axes: Axes, x: Array, error: Array, look: Look, dashed: bool, offset: float
+    axes: Axes, x: Array, error: Array, look: Look, dashed: bool, offset: float, width: float
 ) -> set[bool]:
     """Draw the size of an error as a curve with marks, filled where it is positive and open where it is negative, and
     return which of the two there are: True for filled ones, False for open ones.
 
     Few cases are marked each; of more, marks are spread over each stretch of one sign.   offset : of the marks from
-    those of other curves, as a share of their distance.
+    those of other curves, as a share of their distance.   width : of the curve, points.
     """
-    axes.plot(x, np.abs(error), color=look.colour, lw=0.9, ls=DASHED if dashed else "-")
+    axes.plot(x, np.abs(error), color=look.colour, lw=width, ls=DASHED if dashed else "-")
     fills = set()
     known = np.flatnonzero(np.isfinite(error))
     ends = (np.diff(known) > 1) | (np.diff(np.sign(error[known])) != 0.0)
