@@ -164,11 +164,11 @@ def in_one_column(figure: Figure) -> Figure:
     figure.set_size_inches(SINGLE_COLUMN * MM, figure.get_figheight())
     for axes in figure.axes:  # about as wide as they will be, as their ticks depend on it
         axes.set_position((0.15, axes.get_position().y0, 0.8, axes.get_position().height))
-    boxes = [(axes.get_window_extent(), axes.get_tightbbox()) for axes in figure.axes]
-    left = 1.0 + max((frame.x0 - box.x0) / mm for frame, box in boxes)
-    right = 1.0 + max((box.x1 - frame.x1) / mm for frame, box in boxes)
-    over = [1.0 + (box.y1 - frame.y1) / mm for frame, box in boxes]
-    under = [1.0 + (frame.y0 - box.y0) / mm for frame, box in boxes]
+    frames = [axes.get_window_extent().extents for axes in figure.axes]
+    boxes = [(axes.get_tightbbox() or axes.bbox).extents for axes in figure.axes]
+    # mm that the labels of each panel take beside its frame: left, below, right, above
+    beside = 1.0 + np.abs(np.array(boxes) - frames) / mm
+    (left, _, right, _), under, over = beside.max(axis=0), beside[:, 1], beside[:, 3]
     foot = _narrow_legend(figure, SINGLE_COLUMN * mm) / mm
     width, level = SINGLE_COLUMN - left - right, foot + sum((*heights, *over, *under))
     figure.set_size_inches(SINGLE_COLUMN * MM, level * MM)

@@ -325,7 +325,7 @@ def weights(found: Result[Any]) -> list[str]:
 
 def laws_table(found: Result[Any]) -> list[tuple[str, ...]]:
     """Return each law of a comparison with its weight and coefficients, a line each below a line of heads."""
-    lines = [("law", "weight", "coefficients")]
+    lines: list[tuple[str, ...]] = [("law", "weight", "coefficients")]
     for one in found.laws.laws if found.laws else ():
         values = ", ".join(
             f"{found.coordinate.symbol(key)} = {number_text(value, 5)} ± {number_text(error, 2)}"
