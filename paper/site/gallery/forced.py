@@ -69,7 +69,7 @@ print(found)
 # Each record folded onto one cycle of the drive, with the fitted oscillator. A pattern in the residual below would be a
 # motion that the model does not explain.
 
-# %% alt="The acceleration over one cycle, a panel for each level, with steps where the mass turns; residuals without pattern."
+# %% alt="The acceleration over one cycle, a panel for each level, with a step where the mass turns; residuals below."
 found.plot("cycles")
 plt.show()
 

@@ -62,8 +62,7 @@ for _ticks in ("xtick", "ytick"):
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Yield decorator of the functions that draw: they use STYLE on matplotlib's own defaults, and nothing of the
-    user's."""
+    """Apply STYLE on matplotlib's defaults, ignoring the user's matplotlibrc."""
     import matplotlib.style  # slow to import, and not needed for the colours of this module
 
     with matplotlib.style.context(STYLE, after_reset=True):
@@ -76,7 +75,7 @@ _SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False
 
 @contextmanager
 def lacking_glyphs() -> Iterator[None]:
-    """Let a name in a script that the font lacks is drawn as boxes without a warning."""
+    """Suppress matplotlib's warning about glyphs that the font lacks."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         yield
