@@ -152,6 +152,7 @@ def explained(figure: Figure, scale: float = 1.0, ncols: int = 0) -> Figure:
     return figure
 
 
+@styled()
 def in_one_column(figure: Figure) -> Figure:
     """Rearrange the panels of a figure below each other on a page of a single column, as for a phone.
 

@@ -27,7 +27,6 @@ from ..figures.style import (
     lacking_glyphs,
     save,
     save_svg,
-    styled,
 )
 from ..findings.finding import Finding
 from ..findings.words import phrase, unit_of
@@ -93,8 +92,7 @@ def report(found: Result[Any], folder: Path | None = None) -> str:
                     save_svg(drawn, svg, caption, DPI)
                 else:
                     save(drawn, svg, png, caption, DPI)
-                with styled():
-                    save_svg(in_one_column(drawn), narrow, caption, DPI)
+                save_svg(in_one_column(drawn), narrow, caption, DPI)
             texts = (file.read_text(encoding="utf-8") for file in (svg, narrow))
             pictures.append((*texts, caption, caption))
     files = [record.files or {} for record in found.records] or [{}] * len(found.sources)
