@@ -23,6 +23,7 @@ from ..figures.style import (
     INK,
     PAPER_COLOUR,
     follows_the_screen,
+    in_one_column,
     lacking_glyphs,
     save,
     save_svg,
@@ -37,6 +38,7 @@ from ..project.wording import (
     listed,
     number_text,
     percent,
+    plain_text,
     sentence,
     signed_percent,
     visible,
@@ -50,6 +52,7 @@ from .screen import (
     answers_table,
     comparison,
     interval_of,
+    laws_table,
     limiting,
     measured_caption,
     measured_table,
@@ -82,14 +85,16 @@ def report(found: Result[Any], folder: Path | None = None) -> str:
         for name, picture in found.pictures.items():
             caption = _caption(found, name)
             svg, png = (Path(folder or unkept, file) for file in pictures_of([name]))
+            narrow = Path(unkept, f"narrow-{svg.name}")
             with lacking_glyphs():
                 drawn = draw(picture, found.coordinate)
                 if folder is None:
                     save_svg(drawn, svg, caption, DPI)
                 else:
                     save(drawn, svg, png, caption, DPI)
-            text = svg.read_text(encoding="utf-8")
-            pictures.append((text, caption, caption))
+                save_svg(in_one_column(drawn), narrow, caption, DPI)
+            texts = (file.read_text(encoding="utf-8") for file in (svg, narrow))
+            pictures.append((*texts, caption, caption))
     files = [record.files or {} for record in found.records] or [{}] * len(found.sources)
     of, effects = found.sensitivities()
     return _page(
@@ -221,7 +226,7 @@ _TEMPLATES = jinja2.Environment(
     keep_trailing_newline=True,
 )
 _TEMPLATES.filters |= {
-    **{of.__name__: of for of in (phrase, rich, sentence, short, unit_of, visible)},
+    **{of.__name__: of for of in (phrase, plain_text, rich, sentence, short, unit_of, visible)},
     "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
     "names": _names,
     "value": value_of,
@@ -233,7 +238,7 @@ _TEMPLATES.filters |= {
     "change": lambda share: signed_percent(0.01 * round(100.0 * _known(share), 3)),
     "setting": _setting,
 }
-_TABLES = (answers_table, comparison, measured_caption, measured_table)
+_TABLES = (answers_table, comparison, laws_table, measured_caption, measured_table)
 _WORDS = (answer_in_words, dotted, limiting, named, told, _explained, _first_check, _kind, _why)
 _FUNCTIONS = (*_TABLES, *_WORDS, _rig)
 _TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {"FAULTS": FAULTS}

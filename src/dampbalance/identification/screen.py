@@ -323,19 +323,25 @@ def weights(found: Result[Any]) -> list[str]:
     return aligned([("model with", "weight", "size (SI)"), *lines])
 
 
-def comparison(found: Result[Any], width: int | None) -> list[str]:
-    """Return what follows from a comparison of laws, and a line for each law with its weight."""
-    if found.laws is None:
-        return []
-    lines = [("law", "weight", "coefficients")]
-    for one in found.laws.laws:
+def laws_table(found: Result[Any]) -> list[tuple[str, ...]]:
+    """Return each law of a comparison with its weight and coefficients, a line each below a line of heads."""
+    lines: list[tuple[str, ...]] = [("law", "weight", "coefficients")]
+    for one in found.laws.laws if found.laws else ():
         values = ", ".join(
             f"{found.coordinate.symbol(key)} = {number_text(value, 5)} ± {number_text(error, 2)}"
             for key, (value, error) in one.coefficients.items()
         )
         law = ", ".join(map(found.coordinate.symbol, one.terms))
         lines.append((law, f"{one.weight:.2g}", values))
-    return [*wrapped(found.in_sentences(found.laws.findings), width), "", *aligned(lines)]
+    return lines
+
+
+def comparison(found: Result[Any], width: int | None) -> list[str]:
+    """Return what follows from a comparison of laws, and a line for each law with its weight."""
+    if found.laws is None:
+        return []
+    sentences = wrapped(found.in_sentences(found.laws.findings), width)
+    return [*sentences, "", *aligned(laws_table(found))]
 
 
 def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[Finding]:
