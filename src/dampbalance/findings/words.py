@@ -109,7 +109,8 @@ def _filled(template: str, findings: Sequence[Finding], vocabulary: Vocabulary) 
         return with_unit(ends, vocabulary.unit(unit)) if unit else ends
 
     def option(match: re.Match[str]) -> str:
-        return spelled(match[1].replace("-", "_"), match[2] or match[3] or match[4] or "")
+        value = match[2] or match[3] or match[4] or ""
+        return spelled(match[1].replace("-", "_"), value.format_map(shown))  # as it can be typed
 
     template = _PART.sub(lambda match: SENTENCES[match[1]].words, template)
     while _CHOICE.search(template):  # choices within choices from the inside

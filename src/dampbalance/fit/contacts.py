@@ -57,11 +57,6 @@ class ContactFit(Fit):
     noise: float = 1.0
 
     @property
-    def k(self) -> float:
-        """Stiffness of the spring, N/m, fitted or given."""
-        return self.value("k")
-
-    @property
     def terms(self) -> tuple[str, ...]:
         """Terms of the damping, the contact apart."""
         return tuple(n for n in self.parameters.names if n not in (*_SPRING, *_OF_CONTACT))

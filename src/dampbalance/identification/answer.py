@@ -338,7 +338,8 @@ def rig_of(selection: Selection) -> dict[str, ParameterEstimate]:
     fit, models, weights = selection.fit, [], []
     for model, weight in zip(selection.models, selection.weights, strict=True):
         own = dict(zip(selection.keys, model.values.tolist(), strict=True))
-        c, m, k = own.get("c", 0.0), own.get("m", fit.value("m")), own.get("k", fit.k)
+        c, m = own.get("c", 0.0), own.get("m", fit.value("m"))
+        k = own.get("k") or fit.k
         if m > 0.0:  # a light model may have none
             f_n, critical = math.sqrt(k / m) / (2.0 * math.pi), 2.0 * math.sqrt(k * m)
             zeta = c / critical
@@ -348,13 +349,15 @@ def rig_of(selection: Selection) -> dict[str, ParameterEstimate]:
             covariance = slopes.T @ model.covariance @ slopes
             models.append(replace(model, values=np.array([m, f_n, zeta]), covariance=covariance))
             weights.append(weight)
-    keys = ("m", "f_n", "zeta") if "c" in selection.keys else ("m", "f_n")
-    of = replace(selection, keys=("m", "f_n", "zeta"), models=tuple(models))
-    of = replace(of, weights=tuple(weight / math.fsum(weights) for weight in weights))
-    errors = dict(zip(of.keys, np.sqrt(np.diag(of.covariance)).tolist(), strict=True))
+    if not models:
+        return {}
+    shares = tuple(weight / math.fsum(weights) for weight in weights)
+    of = replace(selection, keys=("m", "f_n", "zeta"), models=tuple(models), weights=shares)
+    errors = zip(of.keys, np.sqrt(np.diag(of.covariance)).tolist(), strict=True)
     return {
-        s: ParameterEstimate(of.interval(s, 0.0)[0], errors[s], Interval(*of.interval(s)))
-        for s in keys
+        s: ParameterEstimate(of.interval(s, 0.0)[0], error, Interval(*of.interval(s)))
+        for s, error in errors
+        if s != "zeta" or "c" in selection.keys
     }
 
 

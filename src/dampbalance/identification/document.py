@@ -103,10 +103,10 @@ def _entries(answer: Answer, coordinate: Coordinate) -> dict[str, Any]:
     return document
 
 
-def _columns(parameters: Mapping[str, ParameterEstimate], *, table: bool = False) -> dict[str, Any]:
+def _columns(of: Mapping[str, ParameterEstimate], *, table: bool = False) -> dict[str, Any]:
     """Return numbers in columns named with their units; in a table each end of an interval has a column."""
     columns: dict[str, Any] = {}
-    for symbol, p in parameters.items():
+    for symbol, p in of.items():
         numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
         ends = {"_low": p.interval.low, "_high": p.interval.high}
         numbers |= ends if table else {"_interval": p.interval}

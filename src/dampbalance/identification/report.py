@@ -130,8 +130,10 @@ def rich(text: str) -> Markup:
 
 
 _NAMES = {
-    **{"K_z": "contact stiffness", "m": "mass", "f_n": "natural frequency"},
-    "zeta": "damping ratio of c alone",
+    "K_z": "contact stiffness",
+    "m": "mass",
+    "f_n": "natural frequency",
+    "zeta": "damping ratio",
 }
 
 

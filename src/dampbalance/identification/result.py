@@ -18,17 +18,7 @@ from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.record import Record
 from ..signals.log_decrement import SwingDamping
-from .answer import (
-    CHECKS,
-    NONE,
-    REFERENCE,
-    USABLE,
-    Answer,
-    Interval,
-    ParameterEstimate,
-    Verdict,
-    doubted,
-)
+from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
 from .law_comparison import LawComparison
 from .level import Column, Level, damping_ratio
 from .sensitivities import FAULTS, Fault, effects_of
@@ -40,6 +30,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from .answer import ParameterEstimate
 
 
 class Picture(NamedTuple):

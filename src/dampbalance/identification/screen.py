@@ -36,7 +36,7 @@ from ..project.wording import (
 )
 from ..records.coordinate import Coordinate
 from ..solver import NORMAL_95
-from .answer import UNKNOWN, USABLE, USELESS, Answer, Interval, ParameterEstimate, Verdict, judged
+from .answer import UNKNOWN, USABLE, USELESS, Interval, ParameterEstimate, Verdict, judged
 
 if TYPE_CHECKING:
     from .level import Column
@@ -142,10 +142,10 @@ def details(found: Result[Any], width: int | None = None) -> str:
 def short_blocks(found: Result[Any], tabled: bool = False) -> list[Block]:
     """Return the pieces of one screen, with what shows the rest.   tabled : as for `blocks`."""
     for causes, levels in _ROOM:
-        left = max(0, len(limiting(found)) - len(_causes(found)[:causes]))
+        left = len(limiting(found)) - len(limiting(found, others=False)[:causes])
         more = f"{left} more and " * bool(left) + "all numbers"
         last = f"See {everything()} for {more}, and for what they depend on."
-        parts = [*blocks(found, causes, _LAWS, levels, tabled=tabled), Block([last])]
+        parts = [*blocks(found, (causes, levels), tabled), Block([last])]
         # whatever its width, it says the same; a notebook has room
         if tabled or plain(parts, 80).count("\n") <= _LINES:
             break
@@ -153,37 +153,30 @@ def short_blocks(found: Result[Any], tabled: bool = False) -> list[Block]:
 
 
 def blocks(
-    found: Result[Any],
-    causes: int | None = None,
-    laws: int | None = None,
-    levels: int | None = None,
-    *,
-    tabled: bool = True,
+    found: Result[Any], room: tuple[int, int] | None = None, tabled: bool = True
 ) -> list[Block]:
     """Return the pieces of a screen: the answer, what is measured, what it says of the rig, what checks it and what
     limits it. Where there is no answer, the cause comes first and the numbers last.
 
-    causes, laws, levels : of doubt, compared and measured, that there is room for; default, all.
+    room : causes of doubt and levels that there is room for; default, all.
     tabled : whether the numbers are a table, as they are where there is no answer; default, in addition to sentences.
     """
     of_levels, first = found.level_documents, found.unanswered
-    at = np.linspace(0, len(of_levels) - 1, min(len(of_levels), levels or len(of_levels)))
-    rows = measured_table(
-        found.basis, [of_levels[i] for i in at.round().astype(int)], found.coordinate
-    )
-    caption = [measured_caption(found.basis.kind, found.coordinate)] if rows else []
+    causes, levels = room or (None, len(of_levels))
+    at = np.linspace(0, len(of_levels) - 1, min(len(of_levels), levels))
+    of_levels = [of_levels[i] for i in at.round().astype(int)]
     check = found.in_sentences(found.check) if found.check is not None else [agreement(found)]
-    whole = causes is None
+    whole = room is None
     shown = whole or not (tabled or first)  # in sentences
     head = [f"{found.head}:"] if tabled and not first else []
     table = Block(head, table=answers_table(found) if tabled or first else ())
     of_answer = [table, Block([*damping_of(found, shown), *check])]
-    of_doubt = [Block(items=limiting(found) if whole else _causes(found)[:causes])]
+    of_doubt = [Block(items=limiting(found, others=whole)[:causes])]
     parts = [*of_doubt, *of_answer] if first else [*of_answer, *of_doubt]
     doubted = any(of.verdict != USABLE for of in found.answer.verdicts.values())
     answer = [answer_in_words(found)] if shown or doubted or lead(found) else []
-    measured = Block(caption, table=rows, grouped=True)
-    return [Block(answer), measured, *parts, *comparison(found, laws)]
+    measured = measured_block(found.basis, of_levels, found.coordinate)
+    return [Block(answer), measured, *parts, *comparison(found, None if whole else _LAWS)]
 
 
 def plain(parts: Iterable[Block], width: int | None) -> str:
@@ -200,8 +193,8 @@ def lead(found: Result[Any]) -> str:
     """Return the sentence before all numbers: that there is no answer, its first cause and the remedy, or no friction;
     else an empty one."""
     coordinate, answer = found.coordinate, found.answer
-    if why := found.unanswered:
-        return sentence(f"no answer: {worded(_decisive(found) or why[0], coordinate)}")
+    if found.unanswered:
+        return sentence(f"no answer: {worded(_parted(found)[0], coordinate)}")
     verdict, c = answer.verdicts.get(FRICTION), answer.parameters.get("c")
     if verdict is None or c is None or (verdict.verdict, verdict.within) != (USABLE, math.inf):
         return ""
@@ -210,30 +203,23 @@ def lead(found: Result[Any]) -> str:
     return f"No friction ({friction} at 95 %); {', '.join(of_c)}."
 
 
-def _decisive(found: Result[Any]) -> list[Finding]:
-    """Return the findings for which there is no answer, as `Result.limits` has them: with those of other records."""
-    first = next(iter(found.unanswered), [])
-    return next((of for of in _own(found) if first and of[0].kind == first[0].kind), [])
-
-
-def _own(found: Result[Any]) -> list[list[Finding]]:
-    """Return what limits the answer, without what limits others alone."""
+def _parted(found: Result[Any]) -> tuple[list[Finding], list[list[Finding]], list[list[Finding]]]:
+    """Return `Result.limits` in parts: that for which there is no answer, others on the answer, on other answers
+    alone."""
     others = {*found.approaches} - {found.answer.name}
-    return [group for group in found.limits if not {one.of for one in group} <= others]
+    of_others = [group for group in found.limits if {one.of for one in group} <= others]
+    own, first = [of for of in found.limits if of not in of_others], [*found.unanswered, []][0]
+    cause = next((of for of in own if first and of[0].kind == first[0].kind), first)
+    return cause, [of for of in own if of != cause], of_others
 
 
-def limiting(found: Result[Any]) -> list[str]:
-    """Return what limits the answers, in sentences: first those on the answer, last those on others alone."""
-    others = [group for group in found.limits if group not in _own(found)]
-    return [*_causes(found), *(sentence(named(found, group)) for group in others)]
-
-
-def _causes(found: Result[Any]) -> list[str]:
-    """Return what limits the answer, without the cause that `lead` states, and on what it depends, in sentences."""
-    decisive = _decisive(found)
+def limiting(found: Result[Any], *, others: bool = True) -> list[str]:
+    """Return what limits the answer, and on what it depends, in sentences, without the cause that `lead` states, and
+    what limits the others."""
+    _, own, of_others = _parted(found)
     hint = found.in_sentences([found.hint] if found.hint and not found.unanswered else [])
-    causes = [sentence(named(found, group)) for group in _own(found) if group != decisive]
-    return [*causes, *hint]
+    first, rest = ([sentence(named(found, of)) for of in groups] for groups in (own, of_others))
+    return [*first, *hint, *(rest if others else [])]
 
 
 def named(found: Result[Any], findings: Sequence[Finding]) -> str:
@@ -249,25 +235,13 @@ def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
     answer, *others = found.approaches.values()
     heads = ["at 95 %", answer.name, "verdict", *(o.name + " *" * bool(o.notes) for o in others)]
     lines = [tuple(heads)]
-    for of in sorted(_all_numbers(found), key=lambda one: one.symbol in ("m", "f_n", "zeta")):
+    for of in numbers(found):
+        known = [other.parameters.get(of.symbol, UNKNOWN) for other in others]
+        further = [of._replace(p=p).text for p in known]
         verdict = in_one({of.symbol: of.verdict}, found.coordinate)
-        further = [_text_of(other, of.symbol) for other in others]
         label = label_with_unit(of.name(found.coordinate), of.unit(found.coordinate))
         lines.append((label, of.text, verdict, *further))
     return lines
-
-
-def _all_numbers(found: Result[Any]) -> list[Number]:
-    """Return the numbers of the answer, and a dash for each that only others have."""
-    own = numbers(found)
-    symbols = dict.fromkeys(s for one in found.approaches.values() for s in one.parameters)
-    missing = [s for s in symbols if s not in found.answer.parameters]
-    return [*own, *(Number(s, UNKNOWN, Verdict("")) for s in missing)]
-
-
-def _text_of(answer: Answer, symbol: str) -> str:
-    p = answer.parameters.get(symbol)
-    return "" if p is None else Number(symbol, p, Verdict("")).text
 
 
 def measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list[str]]:
@@ -302,14 +276,10 @@ def measured_caption(kind: str, coordinate: Coordinate) -> str:
     return sentence(worded(Finding(_CAPTIONS[kind]), coordinate))
 
 
-def measured_lines(
-    basis: AnyBasis, levels: Levels, coordinate: Coordinate, width: int | None = None
-) -> list[str]:
-    """Return that table as lines below its caption."""
-    if not (table := measured_table(basis, levels, coordinate)):
-        return []
-    caption = wrapped([measured_caption(basis.kind, coordinate)], width)
-    return [*caption, *_grouped(table, width)]
+def measured_block(basis: AnyBasis, levels: Levels, of: Coordinate) -> Block:
+    """Return that table below its caption."""
+    table = measured_table(basis, levels, of)
+    return Block([measured_caption(basis.kind, of)] if table else [], table=table, grouped=True)
 
 
 def _grouped(table: Sequence[Sequence[str]], width: int | None) -> list[str]:
@@ -394,7 +364,10 @@ def damping_of(found: Result[Any], shown: bool = True) -> list[str]:
         mass, *others = [of.equation(found.coordinate) for of in rig]
         alone = " from c alone" * ("zeta" in found.oscillator)
         values = f"{', '.join([mass + given, *others])}{alone}. " * shown
-        sentences.append(f"{values}If your rig differs, check gains, units and k.")
+        symbol = found.coordinate.symbol("m")
+        sentences.append(
+            f"{values}If {symbol} or f_n of your rig differs, check gains, units and k."
+        )
     cycles = [of for of in found.level_documents if of.get("W_J", 0.0) > 0.0 and found.k > 0.0]
     sizes = sorted(cycles, key=lambda of: float(of["X_m"]))
     if sizes:
@@ -409,10 +382,10 @@ def damping_of(found: Result[Any], shown: bool = True) -> list[str]:
 
 
 def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
-    """Return lines broken at a width, if there is one, but not between a number and its unit."""
+    """Return lines broken at a width, if there is one, but not before a unit or a quotation."""
     broken: list[str] = []
     for line in lines:
-        tied = re.sub(r"(?<=[\d=±<>]) (?=\S)| (?==)", "\N{NO-BREAK SPACE}", line)
+        tied = re.sub(r"(?<=[\d=±<>]) (?=\S)| (?=[=\"])", "\N{NO-BREAK SPACE}", line)
         indent = "  " * line.startswith(("- ", "* "))
         pieces = textwrap.wrap(
             tied,
