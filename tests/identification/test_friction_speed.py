@@ -131,7 +131,7 @@ def test_too_few_rows_other_channels_and_samples_in_time_are_refused():
         identify_friction_speed({"time_s": np.arange(9) / 9.0, "x_m": np.arange(9) ** 2 / 9.0})
     v = 0.3 * np.sin(np.linspace(0.0, 50.0, 2000))
     sampled = {"v_m_per_s": v, "force_N": np.sign(v) + v}
-    with pytest.raises(RecordError, match="give --kind friction-speed"):
+    with pytest.raises(RecordError, match='give kind="friction-speed"'):
         read_records(sampled)
     found = identify_friction_speed(sampled)
     assert found.values == pytest.approx({"F_k": 1.0, "c": 1.0}, rel=1e-6)

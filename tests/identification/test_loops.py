@@ -391,7 +391,7 @@ def test_loops_of_velocity_are_recognised_and_the_guess_is_said():
     record["velocity_m_per_s"] = np.gradient(record.pop("displacement_m"), T)
     found, stated = identify(record), identify(record, kind="loops")
     assert found.values["F_k"] == pytest.approx(F_K, rel=5e-3)
-    words = "give its stiffness (--stiffness): they are forced records then"
+    words = "give its stiffness (stiffness=…): they are forced records then"
     assert [words in of.text() for of in (found, stated)] == [True, False]
 
 

@@ -241,7 +241,7 @@ def test_a_report_says_once_on_what_its_numbers_depend():
     assert (report.count(words), known.count(words)) == (1, 0)
     hint = report.partition(words)[2].partition("\n")[0]
     assert "2310 ± 1 %" in hint
-    assert "--mass" in hint
+    assert "mass=" in hint
 
 
 def test_a_mass_that_the_fit_takes_adds_its_uncertainty():

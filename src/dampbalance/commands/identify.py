@@ -50,6 +50,7 @@ from typing import Any, get_args
 from ..identification.outputs import ALL_PICTURES, OUTPUTS, REPORT, TABLES, require_room
 from ..project.files import json_text, replacing, write_text
 from ..project.options import IN_WORDS, OPTIONS, Option
+from ..project.spelling import in_a_shell
 from ..project.wording import listed
 from ..records.quantities import with_error
 from .options import FILE, argument, coefficients, labels, read_by, whole
@@ -57,6 +58,7 @@ from .options import FILE, argument, coefficients, labels, read_by, whole
 _SCREEN = Path("-")
 
 
+@in_a_shell()
 def run(options: argparse.Namespace) -> bool:
     """Identify, show the table or the document, and write the results; or write a mapping.
 
@@ -81,7 +83,7 @@ def run(options: argparse.Namespace) -> bool:
     answer = json_text(result.document())
     shown, width = answer, shutil.get_terminal_size().columns
     if options.json != _SCREEN:
-        shown = result.text(width) if options.details else result.screen(width, details="--details")
+        shown = result.text(width) if options.details else result.screen(width)
     print(shown, end="", file=options.screen if options.json == _SCREEN else None)
     places, drawn = options.written, ""
     if document is not None:

@@ -5,6 +5,9 @@ the like are the forms of `_FORMS`; `{size:± µs}` is a value with its standard
 significant digits. A field that names no number is a word of the coordinate: `{displacement}` is an
 angle of records that rotate, `{F_k}` a T_k, `{N/m}` a N m/rad. `[name?text|other]` is the text where the number of that
 name is there and not zero, and the other text where it is not; `{@code}` are the words of another entry.
+
+An option stands as a shell takes it, `--mass`, `--skip-cycles {skip:.0f}`, `--kind=ring-down`, and is shown as its
+reader types it (`project.spelling`).
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from typing import Any, Protocol
 
 from ..law.terms import term
 from ..model import UNITS
+from ..project.spelling import spelled
 from ..project.wording import (
     change_text,
     factor,
@@ -39,6 +43,7 @@ _MOST_NAMES = 6  # of records in a sentence
 _FIELD = re.compile(r"\{([^{}:]+)(?::([^{}]*))?\}")
 _PART = re.compile(r"\{@([^{}]+)\}")
 _CHOICE = re.compile(r"\[(\w+)\?([^\[\]|]*)(?:\|([^\[\]]*))?\]")
+_OPTION = re.compile(r'--([a-z][a-z-]*)(?:[ =](?:"([^"]*)"|(\{[^{}]*\})|(?<==)(\w[\w-]*)))?')
 PER_SI = {
     **{"mm": 1e3, "N/mm": 1e-3, "µs": 1e6, "ppm": 1e6, "%": 100.0, "N/mm³": 1e-9, "µm/N": 1e6},
     "°": math.degrees(1.0),
@@ -47,6 +52,7 @@ PER_SI = {
 _UNITS = {
     **UNITS,
     **{"k_3": "N/m³", "falling": "N", "falling_speed": "m/s", "corner": "Hz", "gradual": ""},
+    **{"f_n": "Hz", "zeta": ""},
 }
 
 
@@ -102,9 +108,14 @@ def _filled(template: str, findings: Sequence[Finding], vocabulary: Vocabulary) 
         ends = " to ".join(dict.fromkeys(texts))
         return with_unit(ends, vocabulary.unit(unit)) if unit else ends
 
+    def option(match: re.Match[str]) -> str:
+        value = match[2] or match[3] or match[4] or ""
+        return spelled(match[1].replace("-", "_"), value.format_map(shown))  # as it can be typed
+
     template = _PART.sub(lambda match: SENTENCES[match[1]].words, template)
     while _CHOICE.search(template):  # choices within choices from the inside
         template = _CHOICE.sub(chosen, template)
+    template = _OPTION.sub(option, template)
     return _FIELD.sub(field, template)
 
 

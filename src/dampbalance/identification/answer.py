@@ -79,6 +79,12 @@ class ParameterEstimate:
         low, high = self.interval
         return replace(self, interval=Interval(min(low, other.low), max(high, other.high)))
 
+    def at(self, value: float) -> ParameterEstimate:
+        """Return the estimate at another value, with the same errors."""
+        by = value - self.value
+        low, high = self.interval
+        return replace(self, value=value, interval=Interval(low + by, high + by))
+
     def averaged(self, value: float, error: float, ends: tuple[float, float]) -> ParameterEstimate:
         """Return the estimate with another value and standard error, and with other ends for normal errors: either end
         is farther by as much as its own is beyond that of a normal error."""
@@ -160,6 +166,8 @@ class Answer:
     notes : what a reader must know before using the numbers, and why something is missing.
     balance : the rows that were solved; None for the fit.
     merit : how well the rows or the records are met, and what else the fit identifies, by the keys of the document.
+    rig : the mass that moves (m, kg), its natural frequency with the contact loose (f_n, Hz) and the damping ratio of c
+    (zeta); none where no fit determines the mass.
     judged : whether it has verdicts.
     """
 
@@ -169,6 +177,7 @@ class Answer:
     notes: tuple[Finding, ...] = ()
     balance: Balance | None = None
     merit: Mapping[str, Any] = field(default_factory=dict)
+    rig: Mapping[str, ParameterEstimate] = field(default_factory=dict)
     judged: bool = True
 
     def as_check(self) -> Answer:
@@ -211,7 +220,7 @@ class Answer:
         """
         if not self.judged:
             return {}
-        verdicts = {s: _judged(s, p, self.notes) for s, p in self.parameters.items()}
+        verdicts = {s: judged(s, p, self.notes) for s, p in self.parameters.items()}
         errors = np.sqrt(np.diag(self.covariance))
         with np.errstate(divide="ignore", invalid="ignore"):
             trade = np.abs(self.covariance / np.outer(errors, errors)) >= _TRADES
@@ -300,11 +309,15 @@ def averaged(answer: Answer, selection: Selection) -> Answer:
     numbers = zip(values.tolist(), errors.tolist(), ends, strict=True)
     of = dict(zip(selection.keys, numbers, strict=True))
     parameters = {s: p.averaged(*of[s]) if s in of else p for s, p in answer.parameters.items()}
-    merit = dict(answer.merit)
-    # an m that the models leave open, even its sign, stays that of the fit
-    if "m" in of and of["m"][1] < of["m"][0] and "m_kg" in merit:
-        merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / of["m"][0])
-        merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
+    merit, rig = dict(answer.merit), answer.rig
+    if "m" in of and "m_kg" in merit:
+        # an m that the models leave open, even its sign, stays that of the fit
+        if of["m"][1] < of["m"][0]:
+            merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / of["m"][0])
+            merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
+        else:
+            selection = replace(selection, models=(selection.best,), weights=(1.0,))
+        rig = rig_of(selection)
     if "rho" in of:
         parameters["K_z"] = _stiffness(answer.K_z, *of["rho"])
     slopes = np.array(
@@ -313,7 +326,39 @@ def averaged(answer: Answer, selection: Selection) -> Answer:
     at = [selection.keys.index("rho" if s == "K_z" else s) for s in parameters]
     with np.errstate(over="ignore", invalid="ignore"):
         whole = (covariance * np.outer(slopes, slopes))[np.ix_(at, at)]
-    return replace(answer, parameters=parameters, covariance=whole, merit=merit)
+    return replace(answer, parameters=parameters, covariance=whole, merit=merit, rig=rig)
+
+
+def rig_of(selection: Selection) -> dict[str, ParameterEstimate]:
+    """Return m, f_n = √(k/m)/2π and ζ = c/(2√(km)), with standard errors and intervals of all models that were weighed:
+    the values of each, and their covariance to first order in c, m and k.
+
+    selection : its numbers are c, m and k, those of them that are not given.
+    """
+    fit, models, weights = selection.fit, [], []
+    for model, weight in zip(selection.models, selection.weights, strict=True):
+        own = dict(zip(selection.keys, model.values.tolist(), strict=True))
+        c, m = own.get("c", 0.0), own.get("m", fit.value("m"))
+        k = own.get("k") or fit.k
+        if m > 0.0:  # a light model may have none
+            f_n, critical = math.sqrt(k / m) / (2.0 * math.pi), 2.0 * math.sqrt(k * m)
+            zeta = c / critical
+            by = {"c": (0.0, 0.0, 1.0 / critical), "m": (1.0, -0.5 * f_n / m, -0.5 * zeta / m)}
+            by |= {"k": (0.0, 0.5 * f_n / k, -0.5 * zeta / k)}
+            slopes = np.array([by.get(key, (0.0, 0.0, 0.0)) for key in selection.keys])
+            covariance = slopes.T @ model.covariance @ slopes
+            models.append(replace(model, values=np.array([m, f_n, zeta]), covariance=covariance))
+            weights.append(weight)
+    if not models:
+        return {}
+    shares = tuple(weight / math.fsum(weights) for weight in weights)
+    of = replace(selection, keys=("m", "f_n", "zeta"), models=tuple(models), weights=shares)
+    errors = zip(of.keys, np.sqrt(np.diag(of.covariance)).tolist(), strict=True)
+    return {
+        s: ParameterEstimate(of.interval(s, 0.0)[0], error, Interval(*of.interval(s)))
+        for s, error in errors
+        if s != "zeta" or "c" in selection.keys
+    }
 
 
 def _stiffness(
@@ -360,7 +405,7 @@ def covariance_of(
     return matrix
 
 
-def _judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...]) -> Verdict:
+def judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...] = ()) -> Verdict:
     """Return the verdict on a number by itself; notes say why there is none. The only place that decides it."""
     if math.isnan(parameter.value):
         return Verdict(NONE, findings=notes or (Finding("undetermined", {"symbol": symbol}),))
@@ -394,15 +439,20 @@ def _doubted(answer: Answer, findings: Iterable[Finding], most: Mapping[str, flo
     """Return the answer with what findings can do to its numbers.   most : that a friction force can be."""
     kinds = grouped([one for one in findings if one.effect])
     parameters = {s: _shifted(s, p, kinds) for s, p in answer.parameters.items()}
+    # units and gains move no frequency
+    of_rig = {"f_n": [of for of in kinds if math.isinf(max(one.shift("") for one in of))]}
+    rig = {
+        s: _shifted("c" if s == "zeta" else s, p, of_rig.get(s, kinds))
+        for s, p in answer.rig.items()
+    }
     for s, p in parameters.items():
         if p.interval.low <= 0.0 and p.interval.high >= most.get(s, math.inf):
             parameters[s] = UNKNOWN
     # which way a shift goes is not known: it correlates nothing
     pairs = zip(parameters.values(), answer.parameters.values(), strict=True)
     added = np.diag([p.standard_error**2 - own.standard_error**2 for p, own in pairs])
-    return replace(
-        answer, parameters=parameters, covariance=answer.covariance + np.nan_to_num(added)
-    )
+    covariance = answer.covariance + np.nan_to_num(added)
+    return replace(answer, parameters=parameters, covariance=covariance, rig=rig)
 
 
 def _shifted(

@@ -59,7 +59,7 @@ from .level import Column
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
 from .rigs import require_rotation
-from .screen import implied, measured_lines
+from .screen import implied, measured_block, plain
 from .sensitivities import Fault
 from .stated import widened, with_stated_uncertainties
 from .weighing import said_of, weighed_of
@@ -198,7 +198,7 @@ def identify_decays(
             read = as_records(records, mapping=mapping, kind="ring-down")
         if damping := _damping_of(read):
             levels, of = [one.document() for one in damping], read[0].coordinate
-            error.add_note("\n".join(measured_lines(DecayBasis, levels, of)))
+            error.add_note(plain([measured_block(DecayBasis, levels, of)], None).rstrip())
         raise
     return replace(found, basis=replace(found.basis, damping=_damping_of(read)))
 

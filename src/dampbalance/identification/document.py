@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ..findings.words import sentence, unit_of
 from ..model import named_with_unit
 from ..project.files import plain
 from ..records.coordinate import TRANSLATION, Coordinate
-from .answer import CONFIDENCE, REFERENCE, Answer
+from .answer import CONFIDENCE, REFERENCE, Answer, ParameterEstimate
 from .law_comparison import LawComparison, LawWeight
 from .sensitivities import FAULTS, told
 
@@ -45,6 +46,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
         **({"weights": [one._asdict() for one in found.weighed]} if found.weighed else {}),
         **({} if found.laws is None else {"laws": _of_laws(found.laws, coordinate)}),
         **of_kind,
+        "oscillator": _columns(found.oscillator),
         "damping": {"damping_ratio": found.damping_ratio, "levels": found.level_documents},
         "sensitivities_of": of,
         "sensitivities": {
@@ -65,7 +67,7 @@ def table(found: Result[Any]) -> list[dict[str, Any]]:
     columns named with units, the verdict on each, and the findings on it; None where an answer has no such number."""
     rows = []
     for name, answer in found.approaches.items():
-        row = {"approach": name} | _columns(answer, table=True)
+        row = {"approach": name} | _columns(answer.parameters, table=True)
         row |= {key: answer.merit[key] for key in _IN_TABLE if key in answer.merit}
         for symbol, v in answer.verdicts.items():
             row |= {f"{symbol}_verdict": v.verdict, f"{symbol}_within_percent": 100.0 * v.within}
@@ -83,7 +85,7 @@ def _names(found: Result[Any]) -> set[str]:
 
 def _entries(answer: Answer, coordinate: Coordinate) -> dict[str, Any]:
     """Return an answer by the keys of the document."""
-    document = _columns(answer)
+    document = _columns(answer.parameters)
     if answer.balance is not None:
         sizes = np.sqrt(np.diag(answer.covariance))
         with np.errstate(invalid="ignore"):  # exact rows have no errors
@@ -101,11 +103,10 @@ def _entries(answer: Answer, coordinate: Coordinate) -> dict[str, Any]:
     return document
 
 
-def _columns(answer: Answer, *, table: bool = False) -> dict[str, Any]:
-    """Return the numbers of an answer in columns named with their units; in a table each end of an interval has a
-    column."""
+def _columns(of: Mapping[str, ParameterEstimate], *, table: bool = False) -> dict[str, Any]:
+    """Return numbers in columns named with their units; in a table each end of an interval has a column."""
     columns: dict[str, Any] = {}
-    for symbol, p in answer.parameters.items():
+    for symbol, p in of.items():
         numbers: dict[str, Any] = {"": p.value, "_standard_error": p.standard_error}
         ends = {"_low": p.interval.low, "_high": p.interval.high}
         numbers |= ends if table else {"_interval": p.interval}

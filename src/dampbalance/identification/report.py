@@ -29,7 +29,7 @@ from ..figures.style import (
     save_svg,
 )
 from ..findings.finding import Finding
-from ..findings.words import phrase, unit_of
+from ..findings.words import phrase
 from ..law.terms import term
 from ..project.wording import (
     dotted,
@@ -50,14 +50,15 @@ from .pictures import DPI, draw
 from .screen import (
     answer_in_words,
     answers_table,
-    comparison,
+    damping_of,
     interval_of,
     laws_table,
-    limiting,
     measured_caption,
     measured_table,
     named,
+    numbers,
     short,
+    short_blocks,
     value_of,
     worded_first,
 )
@@ -108,8 +109,8 @@ def report(found: Result[Any], folder: Path | None = None) -> str:
 
 
 def notebook(found: Result[Any]) -> str:
-    """Return what a notebook shows of a result."""
-    return _page("notebook", found)
+    """Return what a notebook shows of a result: the screen, with its numbers as a table."""
+    return _page("notebook", found, blocks=short_blocks(found, tabled=True))
 
 
 def _page(template: str, found: Result[Any], **content: Any) -> str:
@@ -129,6 +130,14 @@ def _caption(found: Result[Any], name: str) -> str:
 def rich(text: str) -> Markup:
     """Return the text of a sentence or a symbol, its symbols set."""
     return Markup(in_html(text))
+
+
+_NAMES = {
+    "K_z": "contact stiffness",
+    "m": "mass",
+    "f_n": "natural frequency",
+    "zeta": "damping ratio",
+}
 
 
 def _known(value: float | None) -> float:
@@ -160,8 +169,8 @@ def _part(p: ParameterEstimate) -> str:
 
 
 def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Return what helps most: a sentence on the fault that the numbers feel most, against what their intervals allow;
-    none where they allow all of them."""
+    """Return what helps most: a sentence on the fault that the numbers feel most, against what their intervals allow,
+    unless they allow all of them, and what the owner of the rig can compare."""
     felt = [("", 1.0)]
     for fault, shifts in effects.items():
         for symbol, p in found.answer.parameters.items():
@@ -170,7 +179,7 @@ def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]])
                 off = f"{found.coordinate.symbol(symbol)} is off by {larger_by(change)}"
                 words = f"{told(found, FAULTS[fault].words)}, {off}, but its interval allows {_part(p)} only"
                 felt.append((f"check first: if {words}", change / half))
-    return [*filter(None, [max(felt, key=lambda one: one[1])[0]])]
+    return [*filter(None, [max(felt, key=lambda one: one[1])[0]]), *damping_of(found)[:1]]
 
 
 PAGE = "howto/symptoms"
@@ -226,19 +235,19 @@ _TEMPLATES = jinja2.Environment(
     keep_trailing_newline=True,
 )
 _TEMPLATES.filters |= {
-    **{of.__name__: of for of in (phrase, plain_text, rich, sentence, short, unit_of, visible)},
+    **{of.__name__: of for of in (phrase, plain_text, rich, sentence, short, visible)},
     "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
     "names": _names,
     "value": value_of,
     "interval": interval_of,
     "part": _part,
-    "words": lambda symbol: "contact stiffness" if symbol == "K_z" else term(symbol).words,
+    "words": lambda symbol: _NAMES.get(symbol) or term(symbol).words,
     "figures": lambda value: number_text(_known(value), 4),
     "percent": lambda share: percent(_known(share)),
     "change": lambda share: signed_percent(0.01 * round(100.0 * _known(share), 3)),
     "setting": _setting,
 }
-_TABLES = (answers_table, comparison, laws_table, measured_caption, measured_table)
-_WORDS = (answer_in_words, dotted, limiting, named, told, _explained, _first_check, _kind, _why)
+_TABLES = (answers_table, laws_table, measured_caption, measured_table, numbers)
+_WORDS = (answer_in_words, dotted, named, told, _explained, _first_check, _kind, _why)
 _FUNCTIONS = (*_TABLES, *_WORDS, _rig)
 _TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {"FAULTS": FAULTS}

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from .answer import ParameterEstimate
+
 
 class Picture(NamedTuple):
     """A picture of a result: the function that draws it, of `of` and the coordinate."""
@@ -204,6 +206,15 @@ class Result(Generic[B]):
         return damping_ratio(self.values.get("c", math.nan), self.k, self.mass)
 
     @property
+    def oscillator(self) -> dict[str, ParameterEstimate]:
+        """The mass m (kg), the natural frequency f_n (Hz) and the damping ratio zeta, of which `mass`,
+        `natural_frequency` and `damping_ratio` are the values, with standard errors and intervals of 95 %; none where
+        no fit determines the mass."""
+        values = {"m": self.mass, "f_n": self.natural_frequency, "zeta": self.damping_ratio}
+        estimates = self.approaches.get(REFERENCE, self.answer).rig
+        return {s: p.at(values[s]) for s, p in estimates.items() if not math.isnan(values[s])}
+
+    @property
     def standard_errors(self) -> dict[str, float]:
         """The standard error of each."""
         return self.answer.standard_errors
@@ -298,15 +309,23 @@ class Result(Generic[B]):
         return [as_sentence(sentence(one, self.coordinate)) for one in findings]
 
     def summary(self) -> pd.DataFrame:
-        """Return the answer as a table for a notebook: a line for each number, with unit, value, standard error,
-        interval of 95 % and verdict, then m, f_n and ζ."""
+        """Return the answer as a table of 80 columns: a line for each number, then for m, f_n and ζ where they are
+        known, with unit, value, interval of 95 % (low, high) and verdict. `to_frame` has all that is known of all
+        answers."""
         import pandas as pd  # slow to import
 
-        table = self.to_frame().query("approach == @self.answer.name").drop(columns="approach")
-        values = (self.mass, self.natural_frequency, self.damping_ratio)
-        units = map(self.coordinate.unit, ("kg", "Hz", "1"))
-        rig = pd.DataFrame({"symbol": ["m", "f_n", "zeta"], "unit": units, "value": values})
-        return pd.concat([table, rig]).set_index("symbol")
+        from .screen import numbers
+
+        return pd.DataFrame(
+            {
+                "symbol": of.symbol,
+                "unit": self.coordinate.unit(unit_of(of.symbol)),
+                "value": of.p.value,
+                **of.p.interval._asdict(),
+                "verdict": of.verdict.verdict,
+            }
+            for of in numbers(self)
+        ).set_index("symbol")
 
     def __dir__(self) -> list[str]:
         """Return the names to complete, without those from which screen, report and files are made."""
@@ -317,25 +336,24 @@ class Result(Generic[B]):
         return self.screen().rstrip("\n")
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows."""
+        """Return the screen, with the numbers as a table, for a notebook."""
         from .report import notebook  # slow to import
 
         return notebook(self)
 
-    def screen(self, width: int = 80, *, details: str = "the method text") -> str:
+    def screen(self, width: int = 80) -> str:
         """Return one screen: the answer, what it says of the rig, what checks it, at most three causes of doubt with
         their remedies, and where the rest is. Where there is no answer, the cause comes first and the numbers last.
 
-        width : of a line, characters; tables are not wrapped.   details : what shows the rest.
+        width : of a line, characters; tables are not wrapped.
         """
         from .screen import screen
 
-        return screen(self, width, details)
+        return screen(self, width)
 
     def text(self, width: int | None = None) -> str:
-        """Return all sentences and tables, what `--details` shows and summary.txt holds: the answers with their 95 %
-        intervals and verdicts, a line each, then what limits them; where there is no answer, the causes first and the
-        numbers last.
+        """Return all sentences and tables, what `--details` shows and summary.txt holds: the screen with every cause
+        of doubt, and below it all answers and models, and on what the numbers depend.
 
         width : of a line, characters; tables are not wrapped, and nothing is by default.
         """

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..law.law import Law
+from ..project.spelling import spelled
 from ..records.coordinate import ROTATION, Coordinate
 from ..records.record import Record
 from ..signals.mean_harmonics import Reading
@@ -56,7 +57,7 @@ def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
         if None in (options["stiffness_N_per_m"], mass):
             raise ValueError(
                 "contact_to = base needs stiffness and mass, as a mount moves as under the force −mÿ: weigh what "
-                "stands on it (--mass)"
+                f"stands on it ({spelled('mass')})"
             )
         require_driven_by(True, records, "no base")
     if fixture is not None:

@@ -45,8 +45,8 @@ def with_stated_uncertainties(found: Result[B]) -> Result[B]:
     faults = {name: Fault(name, **{name: size}) for name, size in stated.items() if size > 0.0}
     estimates, reference = found.estimates, found.reference
     if faults:
-        estimates = {n: widened(one, found.shifts(faults, n)) for n, one in estimates.items()}
-        reference = reference and widened(reference, found.shifts(faults, REFERENCE))
+        estimates = {n: widened(one, _shifts(found, faults, n)) for n, one in estimates.items()}
+        reference = reference and widened(reference, _shifts(found, faults, REFERENCE))
     mass = m is not None  # with which the records were tested
     hint, effects = _conditional(found, stiffness > 0.0, mass)
     settings = {"stated_uncertainties": {**stated, "mass_tested": mass}}
@@ -77,6 +77,18 @@ def _stated_of_channels(found: Result[Any]) -> dict[str, float]:
     return {"drive": drive[0], "response": response[0], "late": math.hypot(drive[1], response[1])}
 
 
+_POWERS = {"m": (0.0, 1.0, 0.0), "f_n": (0.0, -0.5, 0.5), "zeta": (1.0, -0.5, -0.5)}
+"""m, f_n and ζ as powers of c, m and k."""
+
+
+def _shifts(
+    found: Result[Any], faults: Mapping[str, Fault], name: str
+) -> dict[str, dict[str, float]]:
+    """Return the relative changes of the numbers of an answer with faults, and of k, by fault and symbol."""
+    shifts = found.shifts(faults, name)
+    return {fault: {**of, "k": faults[fault].stiffness} for fault, of in shifts.items()}
+
+
 def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer:
     """Return the answer with its covariance widened by shifts, relative to its values, by fault and symbol."""
     symbols = list(answer.parameters)
@@ -91,11 +103,18 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
     if "m_kg" in merit:
         of_mass = [of.get("m", 0.0) * merit["m_kg"] for of in shifts.values()]
         merit["m_standard_error_kg"] = math.hypot(merit["m_standard_error_kg"], *of_mass)
+    by = [[of.get(s, 0.0) for s in ("c", "m", "k")] for of in shifts.values()]
+    of_rig = np.nan_to_num(by).reshape(-1, 3)
+    rig = {
+        s: p.wider(float(np.linalg.norm(of_rig @ _POWERS[s])) * abs(p.value))
+        for s, p in answer.rig.items()
+    }
     return replace(
         answer,
         parameters={s: answer.parameters[s].wider(size) for s, size in sizes.items()},
         covariance=covariance,
         merit=merit,
+        rig=rig,
     )
 
 

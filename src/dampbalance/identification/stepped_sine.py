@@ -20,16 +20,26 @@ from ..balance import Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..fit.contacts import ContactComparison, ContactFit, compare_contacts, fit_contact
-from ..fit.select import CLEAR
+from ..fit.select import CLEAR, select
 from ..fit.stiffness_lines import Contact, StiffnessLines
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
 from ..project.options import Stated, options_of, with_options
+from ..project.spelling import spelled
 from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..records.stepped_sine import SteppedRecord, read_lines
 from ..signals.thresholds import CERTAIN
-from .answer import UNKNOWN, Answer, Balance, Interval, ParameterEstimate, averaged, covariance_of
+from .answer import (
+    UNKNOWN,
+    Answer,
+    Balance,
+    Interval,
+    ParameterEstimate,
+    averaged,
+    covariance_of,
+    rig_of,
+)
 from .level import Column, Level
 from .request import read_request
 from .result import Picture, Result
@@ -272,7 +282,7 @@ def _lines(tables: Sequence[SteppedRecord], k: float | None) -> tuple[StiffnessL
     if by_base and k is None:
         raise ValueError(
             f"{by_base}: the base drives, and its force follows only from the stiffness of the spring to it: give "
-            "stiffness (--stiffness)"
+            f"{spelled('stiffness')}"
         )
     if len(levels) < 2:
         raise ValueError(
@@ -357,12 +367,14 @@ def _answer(
     answer = Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
     if compared is not None and name == compared.supported:
         answer = averaged(answer, compared.selection)
+    of_rig = [key for key in ("c", "m", "k") if key in fit.slopes]
+    rig = rig_of(select(fit, (), of_rig, noise=1.0))
     # none of them is negative
     parameters = {
         s: replace(p, interval=Interval(max(p.interval.low, 0.0), p.interval.high))
         for s, p in answer.parameters.items()
     }
-    return replace(answer, parameters=parameters)
+    return replace(answer, parameters=parameters, rig=rig)
 
 
 _SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
@@ -396,11 +408,11 @@ def _supported(compared: ContactComparison) -> Finding:
 def _rig(fit: ContactFit, lines: StiffnessLines) -> Iterator[Finding]:
     """Yield findings on the rig that the fit implies."""
     own = {s: (fit.value(s), fit.error(s)) for s in _SPRING_UNITS if s in fit.parameters}
-    k, m, k_3, R = (own.get(s, (0.0, 0.0)) for s in _SPRING_UNITS)
+    k, _, k_3, R = (own.get(s, (0.0, 0.0)) for s in _SPRING_UNITS)
     if fit.sliders.F_k:
         yield Finding("part that slips", {"X": float(fit.X_range[1])})
-    hertz = math.sqrt((k[0] + fit.stuck) / m[0]) / (2.0 * math.pi)
-    yield Finding("oscillator of lines", {"m": m, "k": k, "hertz": hertz})
+    if k[1]:
+        yield Finding("spring of lines", {"k": k})
     if k_3[0]:
         yield Finding("hardens", {"k_3": k_3})
     if R[0]:

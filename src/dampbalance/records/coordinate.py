@@ -68,7 +68,7 @@ class Coordinate:
             return name
         if name in ("m", "m_kg"):
             return "J" if name == "m" else "J_kg_m2"
-        if name.startswith(("m_standard_error", "m_percent")):
+        if name.startswith(("m_standard_error", "m_percent", "m_interval")):
             name = f"J{name[1:]}"
         ends = [end for end in _KEYED if name.endswith(end)]
         if ends and not re.search(r"_(N_m|rad)", name):

@@ -19,6 +19,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..findings.finding import Finding
+from ..project.spelling import spelled
 from ..project.wording import listed, shortened
 from . import samples
 from .channel import ABSOLUTE, ACCOMPANYING, EXCITATIONS, ORDERS, RESPONSES
@@ -577,7 +578,11 @@ class Guesses:
         if asked:
             may = listed([*dict.fromkeys(q for i in asked for q in self.all[i].may)], "or")
             why = [self.all[i].reason for i in asked if self.all[i].reason not in _LEVELS]
-            free = " If it is a free decay, give --kind ring-down." if "base_" in may else ""
+            free = (
+                f" If it is a free decay, give {spelled('kind', 'ring-down')}."
+                if "base_" in may
+                else ""
+            )
             verb = "do the columns" if len(asked) > 1 else "does the column"
             names = listed([self.names[i] for i in asked[:LISTED]])
             because = f" ({'; '.join(dict.fromkeys(why))})" if why else ""

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..arrays import Array, Integers
 from ..findings.finding import Finding
+from ..project.spelling import spelled
 from ..project.wording import listed, shortened
 from . import errors
 from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
@@ -142,7 +143,7 @@ def _pick(
         "at which rate was it sampled? No channel is called time or t, and the file gives no rate."
     )
     if {*guesses.rules} >= {"force", "velocity"}:
-        rate += " If each row is a steady speed, give --kind friction-speed."
+        rate += f" If each row is a steady speed, give {spelled('kind', 'friction-speed')}."
     raise _asked(guesses, rate, f"Channel {shortened(raw.name)} needs it: say sample_rate_hz")
 
 
