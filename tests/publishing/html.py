@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html.parser import HTMLParser
 
-VOID = {"meta", "link", "input", "br", "col", "hr", "img"}
+VOID = {"meta", "link", "input", "br", "col", "hr", "img", "source"}
 ADDRESSES = ("src", "href", "srcset", "data", "poster", "action")
 
 
