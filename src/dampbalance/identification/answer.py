@@ -79,6 +79,11 @@ class ParameterEstimate:
         low, high = self.interval
         return replace(self, interval=Interval(min(low, other.low), max(high, other.high)))
 
+    def at(self, value: float) -> ParameterEstimate:
+        """Return the estimate at another value, with the same errors."""
+        low, high = (end + value - self.value for end in self.interval)
+        return replace(self, value=value, interval=Interval(low, high))
+
     def averaged(self, value: float, error: float, ends: tuple[float, float]) -> ParameterEstimate:
         """Return the estimate with another value and standard error, and with other ends for normal errors: either end
         is farther by as much as its own is beyond that of a normal error."""

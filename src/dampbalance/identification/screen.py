@@ -20,7 +20,6 @@ from ..law.terms import FRICTION
 from ..project.wording import (
     cut,
     label_with_unit,
-    listed,
     number_text,
     part,
     percent,
@@ -61,8 +60,8 @@ def screen(found: Result[Any], width: int, details: str) -> str:
     causes = [sentence(named(found, of)) for of in own[:_CAUSES]]
     if found.hint and not first and len(causes) < _CAUSES:
         causes += found.in_sentences([found.hint])
-    check = agreement(found) if found.check is None else " ".join(found.in_sentences(found.check))
-    numbers = wrapped([*damping_of(found), check], width)
+    check = " ".join(found.in_sentences(found.check))
+    numbers = wrapped([*damping_of(found), *filter(None, [check])], width)
     causes = wrapped([f"- {one}" for one in causes], width)
     parts = [causes, aligned(answers_table(found)), numbers] if first else [numbers, causes]
     more = f"{left} more and " * bool(left) + "all numbers"
@@ -77,7 +76,7 @@ def screen(found: Result[Any], width: int, details: str) -> str:
 
 def details(found: Result[Any], width: int | None = None) -> str:
     """Return all sentences and tables: see `Result.text`."""
-    said = wrapped(found.in_sentences([*(found.check or ()), *found.rig]), width)
+    said = wrapped(found.in_sentences([*found.check, *found.rig]), width)
     numbers = [*wrapped([found.head], width), "", *aligned(answers_table(found)), "", *said]
     for table in (weights(found), comparison(found, width)):
         numbers += ["", *table] if table else []
@@ -250,22 +249,6 @@ def _with_half_width(symbol: str, p: ParameterEstimate, coordinate: Coordinate) 
     return measured(
         symbol, with_error(p.value, half) if symmetric else with_interval(p), coordinate
     )
-
-
-def agreement(found: Result[Any]) -> str:
-    """Return by how much the next answer with values differs from the first one, in a sentence."""
-    answer, *others = found.approaches.values()
-    for other in others:
-        apart = [
-            f"{part(abs(other.values[s] / p.value - 1.0))} in {found.coordinate.symbol(s)}"
-            for s, p in answer.coefficients.items()
-            if p.value and math.isfinite(other.values.get(s, math.nan) / p.value)
-        ]
-        if apart:
-            kind = "fit" if other.balance is None else "energy balance"
-            name = "" if other.name == "balance" else f" ({other.name})"
-            return f"Check: the {kind}{name} differs by {listed(apart)}."
-    return "Check: none, as no other evaluation of these records has values."
 
 
 def damping_of(found: Result[Any]) -> list[str]:
