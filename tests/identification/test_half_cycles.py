@@ -175,9 +175,8 @@ def test_a_difference_is_told_relative_to_both_errors_and_contradicts_beyond_the
     within = 1.0 - 0.9 * answer.parameters["F_k"].within
     check, doubts = against(within)
     assert (check.numbers["times"], doubts) == (0.0, [])
-    assert dict((s, off) for s, _, off in check.numbers["changes"])["F_k"] == pytest.approx(
-        (1.0 - within) * F_k
-    )
+    changes = {symbol: off for symbol, _, off in check.numbers["changes"]}
+    assert changes["F_k"] == pytest.approx((1.0 - within) * F_k)
     check, (found,) = against(0.8)
     # of the two errors that of the answer is 1e-6
     assert check.numbers["times"] == pytest.approx(0.2 / answer.parameters["F_k"].within, rel=1e-2)

@@ -437,7 +437,8 @@ def _solved(
     # the balance takes whatever is in the samples for a motion with friction and viscous damping
     lacks = ["clipped"] if clipped_signals else [*["other motion"] * (not fit.white), *fit.further]
     widest = _among_models(answer, selection)
-    check, doubts = compared(answer if lacks else widest, reference, lacks, _ACCURACY)
+    judged = None if clipped_signals else reference  # of clipped swings it cannot judge any
+    check, doubts = compared(answer if lacks else widest, judged, lacks, _ACCURACY)
     decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
         basis=DecayBasis(fit, rows),
