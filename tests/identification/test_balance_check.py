@@ -139,3 +139,16 @@ def test_a_departure_that_changes_no_number_has_no_size():
     found = identify(measured_ring_down(osc, x=0.014, rate_hz=800.0, duration=2.5), osc.k)
     sizes = {one.name: (one.size, one.error) for one in found.weighed}
     assert sizes["c_2"] == (0.0, 0.0)
+
+
+def test_what_looks_like_a_gain_may_be_a_structure_that_moves_along_and_bounds_no_damping():
+    given = [
+        changed(r, "base_displacement", values=1.06 * r["base_displacement"].values)
+        for r in records()
+    ]
+    found = identify(given, RIG.k)
+    size, error = said(found, "gain").numbers["size"]
+    assert size == pytest.approx(0.06, abs=4.0 * error)
+    for symbol in ("F_k", "c"):
+        assert found.verdicts[symbol].verdict == "doubtful"
+        assert found.verdicts[symbol].within == pytest.approx(0.06, rel=0.1)

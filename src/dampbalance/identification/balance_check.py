@@ -120,7 +120,8 @@ def compared(
     if not shown or (apart and lacks):
         return Finding("no check", {"lacks": tuple(lacks)}), []
     doubts = [Finding("contradicts", {"changes": tuple(one[:3] for one in apart)}, effect)]
-    numbers = {"changes": tuple(shown), "times": times, "corrected": tuple(corrected)}
+    numbers = {"changes": tuple(shown), "times": times, "beyond": times - 1.0}
+    numbers |= {"corrected": tuple(corrected)}
     return Finding("check", numbers), doubts if apart else []
 
 

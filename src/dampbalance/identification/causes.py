@@ -28,7 +28,6 @@ from ..fit.score import Departure
 from ..fit.select import PRIORS, Candidate, Prior, Selection, bayes_factor
 from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import WaveformFit
-from ..law.terms import FRICTION
 from ..motion.law_decays import ADDED
 from ..signals.mean_harmonics import Reading
 from .weighing import departure, weighed_of
@@ -50,8 +49,9 @@ _MOST = 3.5
 
 def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
     """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
-    the size of the motion, which no gain of a relative response asks for, and a contact that yields gradually is after
-    a reversal as stiff as that of Iwan only if it is one."""
+    the size of the motion, which no gain of a relative response asks for, and a second mass or a flexible support,
+    which only the higher harmonics distinguish from the mass, looks like a gain and is none; a contact that yields
+    gradually is after a reversal as stiff as that of Iwan only if it is one."""
     fit, doubts = selection.fit, dict[str, float]()
     said = [one for one in weighed_of(selection) if one.name in names]
     sizes, units = {one.name: abs(one.size) for one in said}, sizes_in(fit)
@@ -59,7 +59,7 @@ def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
         if one.name in units and not fit.holds and _too_large(one.size, one.error, one.name, units):
             return UNBOUNDED
     if "gain" in sizes and not any(one.of_base for one in fit.lines):
-        doubts = {key: sizes["gain"] for key in fit.law.unknowns if key.symbol == FRICTION}
+        doubts = dict.fromkeys(fit.law.unknowns, sizes["gain"])
     if GRADUAL in sizes:
         doubts["K_z"] = min(sizes[GRADUAL], 1.0)
     return doubts
