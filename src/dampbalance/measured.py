@@ -152,7 +152,7 @@ def identify(
             kind = "forced" if all(map(keeps_moving, records)) else "ring-down"
     found = WAYS[kind](records, **options)
     if recognised and kind == "loops":
-        found = replace(found, check=[*(found.check or ()), Finding("taken for loops")])
+        found = replace(found, check=[*found.check, Finding("taken for loops")])
     return found
 
 

@@ -12,7 +12,7 @@ import pytest
 from blind.decays import clean, record
 from dampbalance.fit.decay import Decay
 from dampbalance.identification.answer import Interval
-from dampbalance.identification.balance_check import contradiction
+from dampbalance.identification.balance_check import compared
 from dampbalance.identification.decays import balanced, identify_decay_records
 from dampbalance.identification.half_cycles import rows_of, swings_of
 from dampbalance.signals.bursts import Signal
@@ -161,19 +161,28 @@ def test_samples_that_show_no_swing_clearly_give_no_row():
     assert balanced(rows).values == {}
 
 
-def test_a_contradiction_is_reported_by_its_size():
+def test_a_difference_is_told_relative_to_both_errors_and_contradicts_beyond_them():
     measured, _ = record(replace(PLUCKED, noise=0.001))
     answer = identify_decay_records([measured], PLUCKED.k).estimates["balance"]
     F_k, c = answer.values["F_k"], answer.values["c"]
 
-    def against(part):
-        """What contradicts an answer that hardly has an error."""
+    def against(part, *lacks):
+        """What is said of an answer that hardly has an error, and what contradicts it."""
         values = {"F_k": part * F_k, "c": c}
         ends = {s: Interval((1.0 - 1e-6) * v, (1.0 + 1e-6) * v) for s, v in values.items()}
-        return [*contradiction(answer, SimpleNamespace(values=values, intervals=ends), 0.05)]
+        return compared(answer, SimpleNamespace(values=values, intervals=ends), lacks)
 
-    # 12 standard errors, but nobody minds
-    assert against(1.0) == against(0.96) == []
-    (found,) = against(0.8)
+    within = 1.0 - 0.9 * answer.parameters["F_k"].within
+    check, doubts = against(within)
+    assert (check.numbers["times"], doubts) == (0.0, [])
+    changes = {symbol: off for symbol, _, off in check.numbers["changes"]}
+    assert changes["F_k"] == pytest.approx((1.0 - within) * F_k)
+    check, (found,) = against(0.8)
+    # of the two errors that of the answer is 1e-6
+    assert check.numbers["times"] == pytest.approx(0.2 / answer.parameters["F_k"].within, rel=1e-2)
     assert found.numbers["changes"] == (("F_k", 0.8 * F_k, pytest.approx(0.2 * F_k)),)
     assert found.effect == {"F_k": pytest.approx(0.25)}
+    # rows that lack what the fit has contradict nothing, and no number is shown
+    check, doubts = against(0.8, "corner")
+    assert (check.code, doubts, check.numbers["lacks"]) == ("no check", [], ("corner",))
+    assert against(within, "corner")[0].code == "check"

@@ -26,7 +26,7 @@ from dampbalance.identification.answer import (
     doubted,
 )
 from dampbalance.identification.answer import ParameterEstimate as Estimate
-from dampbalance.identification.balance_check import contradiction, forbidden, notes_on
+from dampbalance.identification.balance_check import compared, forbidden, notes_on
 from dampbalance.identification.oscillator import CommonFit
 from dampbalance.identification.result import Result
 from dampbalance.identification.screen import Number, in_one, limiting
@@ -255,7 +255,7 @@ def test_a_number_of_any_size_fits_its_cell(value, half, expected):
 def test_balance_and_fit_are_apart_where_they_differ_by_more_than_both_intervals(part, apart):
     # 0.1 of the fit and 0.5 of the balance
     check = with_parameters(c=parameter(90.0 + part * 0.6, 0.5)).as_check()
-    assert bool([*contradiction(check, SOUND)]) == apart
+    assert bool(compared(check, SOUND)[1]) == apart
 
 
 # --- findings of records, and departures that were weighed -----------------------------------------

@@ -74,7 +74,7 @@ def test_pages_show_what_was_computed(site):
     sections = {one.page for one in SENTENCES.values()} - {""}
     assert sections <= symptoms.ids
     assert len(re.findall(r"Fault: .*\nSaid: ", symptoms.text)) == len(sections)  # it is named
-    for name, said in (("forced", "1.28"), ("decay", "Check: the energy balance differs by")):
+    for name, said in (("forced", "1.28"), ("decay", "Check: the energy balance differs")):
         gallery = read_page(site / f"gallery/{name}.html")
         assert said in gallery.text
         assert len([one for one in gallery.loaded if one.endswith(".svg")]) >= 2

@@ -36,7 +36,7 @@ from ..project.wording import (
     written,
 )
 from .finding import Finding
-from .sentences import SENTENCES
+from .sentences import MODELS, SENTENCES
 
 _MOST_NAMES = 6  # of records in a sentence
 
@@ -242,6 +242,7 @@ _FORMS: Mapping[str, Callable[[Any, Vocabulary], str]] = {
     "noun": lambda value, of: of.noun(value),
     "or": lambda value, _: " or ".join(value),
     "symbols": _symbols,
+    "models": lambda names, _: listed([MODELS.get(name, name) for name in names]),
     "law": _law,
     "laws": lambda values, of: " or ".join(_law(terms, of) for terms in values),
     "remedies": _remedies,

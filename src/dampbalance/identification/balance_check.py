@@ -86,20 +86,53 @@ def forbidden(
     ]
 
 
-def contradiction(check: Answer, answer: Answer, least: float = 4e-7) -> Iterator[Finding]:
-    """Yield a finding where the balance differs from the answer by more than both intervals together.
+def compared(
+    check: Answer,
+    answer: Answer | None,
+    lacks: Sequence[str] = (),
+    least: float = 4e-7,
+    corrected: Sequence[str] = (),
+) -> tuple[Finding, list[Finding]]:
+    """Return what the balance says of the answer, and the doubt where they differ by more than both intervals together.
 
-    least : relative difference that counts: by default that of rounding in integrals of exact waveforms.
+    A balance that lacks what the answer allows for says nothing where they differ by more. The difference of a number
+    that may be zero is not relative.
+
+    lacks : what the answer allows for and the rows do not, by the names of models.
+    least : error of the rows beyond their noise, as a part of the work: by default that of rounding in integrals of
+    exact waveforms.
+    corrected : what the rows were corrected for, by the same names.
     """
-    changes, effect = [], {}
+    shown, apart, effect, most = [], [], {}, _largest(check)
     for symbol, own in check.coefficients.items():
-        value, ends = answer.values[symbol], answer.intervals[symbol]
-        halves = own.within * abs(own.value) + 0.5 * (ends.high - ends.low)
-        if value and abs(own.value - value) > max(halves, least * abs(value)):
-            changes.append((symbol, value, own.value - value))
-            effect[symbol] = abs(own.value / value - 1.0)
-    if changes:
-        yield Finding("contradicts", {"changes": tuple(changes)}, effect)
+        if answer is None:
+            break
+        value, (low, high) = answer.values[symbol], answer.intervals[symbol]
+        off, reach = own.value - value, own.within * abs(own.value) + 0.5 * (high - low)
+        reach = max(reach, least * most.get(symbol, 0.0))
+        if not math.isfinite(off + reach):
+            continue
+        shown.append((symbol, 0.0 if low <= 0.0 < high else value, off))
+        if abs(off) > reach:
+            apart.append((*shown[-1], abs(off) / reach if reach else math.inf))
+            effect[symbol] = abs(off / value) if value else math.inf
+    times = max((ratio for *_, ratio in apart), default=0.0)
+    if not shown or (apart and lacks):
+        return Finding("no check", {"lacks": tuple(lacks)}), []
+    doubts = [Finding("contradicts", {"changes": tuple(one[:3] for one in apart)}, effect)]
+    numbers = {"changes": tuple(shown), "times": times, "beyond": times - 1.0}
+    numbers |= {"corrected": tuple(corrected)}
+    return Finding("check", numbers), doubts if apart else []
+
+
+def _largest(check: Answer) -> dict[str, float]:
+    """Return each coefficient that takes all of the work of the rows by itself."""
+    rows = None if check.balance is None else check.balance.rows
+    if rows is None:
+        return {}
+    used = rows.usable
+    work = float(np.abs(rows.W[used]).sum())
+    return {s: work / total for s, g in rows.terms.items() if (total := float(g[used].sum())) > 0.0}
 
 
 def alike(answer: Answer) -> Iterator[Finding]:

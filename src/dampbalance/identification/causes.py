@@ -15,7 +15,8 @@ for those of Dahl, Bouc–Wen and several sliders.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -27,8 +28,8 @@ from ..fit.score import Departure
 from ..fit.select import PRIORS, Candidate, Prior, Selection, bayes_factor
 from ..fit.steady_search import fit_from, fit_records, refit
 from ..fit.waveforms import WaveformFit
-from ..law.terms import FRICTION
 from ..motion.law_decays import ADDED
+from ..signals.mean_harmonics import Reading
 from .weighing import departure, weighed_of
 
 TURNS = ("corner", "delay")
@@ -48,8 +49,9 @@ _MOST = 3.5
 
 def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
     """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
-    the size of the motion, which no gain of a relative response asks for, and a contact that yields gradually is after
-    a reversal as stiff as that of Iwan only if it is one."""
+    the size of the motion, which no gain of a relative response asks for, and a second mass or a flexible support,
+    which only the higher harmonics distinguish from the mass, looks like a gain and is none; a contact that yields
+    gradually is after a reversal as stiff as that of Iwan only if it is one."""
     fit, doubts = selection.fit, dict[str, float]()
     said = [one for one in weighed_of(selection) if one.name in names]
     sizes, units = {one.name: abs(one.size) for one in said}, sizes_in(fit)
@@ -57,7 +59,7 @@ def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
         if one.name in units and not fit.holds and _too_large(one.size, one.error, one.name, units):
             return UNBOUNDED
     if "gain" in sizes and not any(one.of_base for one in fit.lines):
-        doubts = {key: sizes["gain"] for key in fit.law.unknowns if key.symbol == FRICTION}
+        doubts = dict.fromkeys(fit.law.unknowns, sizes["gain"])
     if GRADUAL in sizes:
         doubts["K_z"] = min(sizes[GRADUAL], 1.0)
     return doubts
@@ -77,6 +79,26 @@ def unseen_turns(selection: Selection) -> Iterator[Finding]:
         if one.name in TURNS and effect and one.evidence > 0.0:
             what = (departure(one.name, *one.size),)
             yield Finding("weighs", {"what": what, "weight": weight, "clear": False}, effect)
+
+
+def as_damper(selection: Selection, readings: Sequence[Reading]) -> dict[str, Finding]:
+    """Return the delay of the response, where that may be a damper which the law lacks, with the size of that damper.
+
+    The force c_r ẏ of a damper between base and mass, next to k y, is that of a base which leads by τ = c_r/k, as
+    k y(t + τ) = k y + kτ ẏ + …; where the law has this damper alone, one to the ground is a lag of c/k. On a mount,
+    which the force −mÿ moves, a damper to the ground is a lag of c/(mω²).
+    """
+    fit, steady = selection.fit, readings[0].steady
+    terms, mount = fit.law.terms, steady.base_mass is not None
+    one = next((one for one in weighed_of(selection) if one.name == "delay"), None)
+    ground = mount or "c" not in terms
+    if one is None or "force" in steady.channels or (one.size > 0.0) != ground:
+        return {}
+    factor = fit.m * steady.omega**2 if mount else fit.k
+    found = departure(one.name, one.size, one.error)
+    law = "" if mount else ",".join((*terms, "c" if ground else "c_r"))
+    more = {"damper": (factor * abs(one.size), factor * one.error), "ground": ground, "law": law}
+    return {one.name: replace(found, numbers={**found.numbers, **more})}
 
 
 def sizes_in(fit: WaveformFit) -> dict[str, float]:

@@ -14,9 +14,9 @@ from ..fit.fit import OscillatorFit
 from ..fit.goodness import LinearFit
 from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import CERTAIN
-from .answer import Answer, doubted
-from .balance_check import alike, contradiction
-from .causes import FRAME, doubts_of, unseen_turns
+from .answer import Answer
+from .balance_check import alike
+from .causes import FRAME, as_damper, doubts_of, unseen_turns
 from .oscillator import CommonFit
 from .weighing import said_of
 
@@ -37,8 +37,8 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
 
 
 def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) -> Iterator[Finding]:
-    """Yield findings on all records together: what the common fit shows, which levels fail, where the balance by direct
-    integration contradicts."""
+    """Yield findings on all records together: what the common fit shows, which levels fail, which coefficients the
+    balance by direct integration hardly distinguishes."""
     yield from _on_the_oscillator(readings, common)
     if still := [str(i) for i, of in enumerate(readings, 1) if of.slips is False]:
         yield Finding("only sticks", {"records": ", ".join(still)})
@@ -48,13 +48,14 @@ def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) ->
     if {"c", "c_r"} <= {*direct.coefficients}:
         by = 1e-6 * readings[0].steady.k
         yield Finding("skewed", {"by": by}, {"c": math.inf, "c_r": math.inf})
-    # clipped cycles, a motion that drifts and a departure act in the rows more than in the fit
-    worse = common.in_rows or any(
-        one.code in _WORSE_IN_ROWS for reading in readings for one in reading.warnings
-    )
-    if common.answer is not None and not worse:
-        yield from contradiction(doubted({"": direct}, ())[""], common.answer)
     yield from alike(direct)
+
+
+def not_in_rows(readings: Sequence[Reading], common: CommonFit) -> list[str]:
+    """Return what acts in the rows of the balance more than in the fit, by the names of models: clipped cycles, a
+    motion that drifts, departures."""
+    codes = dict.fromkeys(one.code for reading in readings for one in reading.warnings)
+    return [*filter(_WORSE_IN_ROWS.__contains__, codes), *common.in_rows]
 
 
 def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
@@ -67,7 +68,7 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
     if of is not None:
         assert fit is not None
         frame = Finding(FRAME, {"absolute": bool(fit.lines[0].of_base)})
-        for one in said_of(of, {FRAME: frame}):
+        for one in said_of(of, {FRAME: frame, **as_damper(of, readings)}):
             yield replace(one, effect=doubts_of(of, *(what.code for what in one.numbers["what"])))
         yield from unseen_turns(of)
     if common.mass is not None and not common.mass_fits:

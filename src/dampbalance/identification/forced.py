@@ -38,10 +38,10 @@ from ..records.mapping import MappingLike
 from ..records.record import Record
 from ..signals.mean_harmonics import Means, Reading
 from ..signals.one_thread import one_thread
-from .answer import DIRECT, REFERENCE, UNKNOWN, Answer, ParameterEstimate
-from .balance_check import notes_on
+from .answer import DIRECT, REFERENCE, UNKNOWN, Answer, ParameterEstimate, doubted
+from .balance_check import compared, notes_on
 from .balance_rows import as_answer, features_of, rows_of, solved_again, solved_forced
-from .diagnosis import agreement, on_records
+from .diagnosis import agreement, not_in_rows, on_records
 from .law_comparison import compare_laws
 from .level import Column, Level
 from .loading import load, require_different_levels, unclipped
@@ -379,7 +379,7 @@ def identify_readings(
     of_all = [*agreement(readings, common, direct)]
     if common.delay is not None and not any(one.code == "weighs" for one in of_all):
         rig.append(Finding("timing", {"late": common.delay}))
-    return Result(
+    found = Result(
         basis=ForcedBasis(law, tuple(readings), common, own[:, 0]),
         k=k,
         sources=tuple(reading.steady.source for reading in readings),
@@ -391,6 +391,33 @@ def identify_readings(
         weighed=() if common.selection is None else weighed_of(common.selection),
         settings={"law": {"terms": law.terms, "given": law.given, "groups": law.groups}},
     )
+    check, doubts = _checked(found)
+    return replace(found, check=[check], odd=(*found.odd, *doubts))
+
+
+def _checked(found: Result[ForcedBasis]) -> tuple[Finding, list[Finding]]:
+    """Return what the balance says of the fit, as `compared`: with gain and delay of the fit taken off its records."""
+    direct, common, readings = found.estimates[DIRECT], found.basis.common, found.basis.readings
+    lacks = not_in_rows(readings, common)
+    if not lacks:
+        return compared(doubted({DIRECT: direct}, ())[DIRECT], found.reference)
+    clear = () if common.selection is None else common.selection.names
+    corrected = [name for name in ("gain", "delay") if name in lacks and name in clear]
+    if corrected and common.fit is not None and direct.balance is not None:
+        gain, late = common.fit.value("gain"), common.fit.value("delay")
+        fault = Fault("as fitted", drive=-gain / (1.0 + gain), late=-late)
+        # the fit has both already: none of its unknowns moves
+        features = features_of(
+            readings,
+            [_with_fault(one, fault) for one in readings],
+            np.zeros((common.fit.point.size, 1)),
+        )
+        rows = rows_of(features[:, 0], found.basis.law, found.k, frictionless=common.frictionless)
+        values = solved_again(rows, direct.balance.errors)
+        moved = {s: p.at(values.get(s, p.value)) for s, p in direct.parameters.items()}
+        direct = replace(direct, parameters=moved)
+    lacks = [name for name in lacks if name not in corrected]
+    return compared(direct, found.reference, lacks, corrected=corrected)
 
 
 def _balance(

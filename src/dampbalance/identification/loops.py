@@ -338,7 +338,7 @@ def identify_loops(
         return found
     mu, (low, high) = friction_coefficient(found)
     of = {"mu": (mu, 0.5 * (high - low))}
-    return replace(found, check=[*(found.check or ()), Finding("friction coefficient", of)])
+    return replace(found, check=[*found.check, Finding("friction coefficient", of)])
 
 
 def _weighed(loops: Sequence[Loop], backlash: bool) -> dict[str, Selection]:

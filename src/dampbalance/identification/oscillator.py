@@ -85,13 +85,13 @@ class CommonFit:
         return () if of is None else tuple(name for name in of.names if of.weight(name) > CLEAR)
 
     @property
-    def in_rows(self) -> bool:
-        """Whether the records may have a departure that the answer is freed of, and rows of the balance are not."""
+    def in_rows(self) -> list[str]:
+        """The departures that the records may have, which the answer is freed of, and rows of the balance are not."""
         of = self.selection
         if of is None:
-            return False
-        said = {what.code for one in said_of(of) for what in one.numbers["what"]}
-        return bool({*of.names, *said} - NOT_IN_ROWS)
+            return []
+        said = (what.code for one in said_of(of) for what in one.numbers["what"])
+        return [name for name in dict.fromkeys((*of.names, *said)) if name not in NOT_IN_ROWS]
 
     @property
     def mass_taken(self) -> bool:

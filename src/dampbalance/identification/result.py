@@ -83,7 +83,7 @@ class Result(Generic[B]):
     odd : findings on the records, and where the answers disagree; those on an answer are its notes.
     head : what was identified from what, in a line.
     rig : what the fit implies about the rig.
-    check : what checks the answer; None where the other answers do.
+    check : what checks the answer: by how much the balance of energy differs from the fit, and the like.
     settings : how the answers were computed, for the document.
     weighed : models that the numbers are means of, with their weights; none where there is one.
     laws : which damping laws the records support, where that was asked for.
@@ -111,7 +111,7 @@ class Result(Generic[B]):
     rig: Sequence[Finding]
     reference: Answer | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
-    check: Sequence[Finding] | None = None
+    check: Sequence[Finding] = ()
     weighed: tuple[Weighed, ...] = ()
     laws: LawComparison | None = None
     records: tuple[Record, ...] = ()

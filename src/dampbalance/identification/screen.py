@@ -24,7 +24,6 @@ from ..project.wording import (
     NO_NUMBER,
     cut,
     label_with_unit,
-    listed,
     number_text,
     part,
     percent,
@@ -165,7 +164,7 @@ def blocks(
     causes, levels = room or (None, len(of_levels))
     at = np.linspace(0, len(of_levels) - 1, min(len(of_levels), levels))
     of_levels = [of_levels[i] for i in at.round().astype(int)]
-    check = found.in_sentences(found.check) if found.check is not None else [agreement(found)]
+    check = found.in_sentences(found.check)
     whole = room is None
     shown = whole or not (tabled or first)  # in sentences
     head = [f"{found.head}:"] if tabled and not first else []
@@ -337,22 +336,6 @@ def answer_in_words(found: Result[Any]) -> str:
     why = worded_first(doubts, coordinate)
     verdict = in_one(answer.verdicts, coordinate) + (f", as {why}" if why else "")
     return f"{', '.join(values)} at 95 %: {verdict}."
-
-
-def agreement(found: Result[Any]) -> str:
-    """Return by how much the next answer with values differs from the first one, in a sentence."""
-    answer, *others = found.approaches.values()
-    for other in others:
-        apart = [
-            f"{part(abs(other.values[s] / p.value - 1.0))} in {found.coordinate.symbol(s)}"
-            for s, p in answer.coefficients.items()
-            if p.value and math.isfinite(other.values.get(s, math.nan) / p.value)
-        ]
-        if apart:
-            kind = "fit" if other.balance is None else "energy balance"
-            name = "" if other.name == "balance" else f" ({other.name})"
-            return f"Check: the {kind}{name} differs by {listed(apart)}."
-    return "Check: none, as no other evaluation of these records has values."
 
 
 def damping_of(found: Result[Any], shown: bool = True) -> list[str]:

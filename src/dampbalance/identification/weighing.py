@@ -10,8 +10,11 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import NamedTuple
 
+import numpy as np
+
 from ..findings.finding import Finding
-from ..fit.select import CLEAR, Selection
+from ..fit.select import CLEAR, Model, Selection
+from ..solver import NORMAL_95
 from .answer import USELESS
 
 DEPARTURES = (
@@ -24,11 +27,15 @@ _EITHER_WAY = ("delay", "gain", "falling")
 """Departures whose sign is in the words."""
 
 
+_ROUNDING = 1e-6
+"""Relative change of numbers that is none: the last digit of most files moves them by more."""
+
+
 class Weighed(NamedTuple):
     """A departure that was weighed; "" is none.
 
     weight : the probability that the records have it.   size, error : of it with its standard error, SI units; both
-    zero where it has none.
+    zero where it has none, or one that is zero to rounding.
     """
 
     name: str
@@ -48,7 +55,7 @@ def weighed_of(selection: Selection, plain: str = "") -> tuple[Weighed, ...]:
     these models, the heaviest first.   plain : name of the plain one."""
     rows = [Weighed(name, 1.0, *_size(selection, name)) for name in selection.departures]
     pairs = zip(selection.models, selection.weights, strict=True)
-    models = [Weighed(model.name or plain, weight, *model.size) for model, weight in pairs]
+    models = [Weighed(one.name or plain, w, *_sized(selection, one)) for one, w in pairs]
     return (*rows, *sorted(models, key=lambda one: -one.weight))
 
 
@@ -67,6 +74,15 @@ def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) ->
             numbers = {"what": (what,), "weight": one.weight, "clear": clear}
             found.append(Finding("weighs", numbers, what.effect))
     return found
+
+
+def _sized(selection: Selection, model: Model) -> tuple[float, float]:
+    """Return the size of the departure of a model; zeros for one that changes no number beyond rounding, or one that
+    may be zero beyond its standard error."""
+    plain = selection.models[0]
+    sizes, errors = np.abs(plain.values), np.sqrt(np.diag(plain.covariance))
+    least = np.where(sizes > NORMAL_95 * errors, _ROUNDING * sizes, errors)
+    return model.size if (np.abs(model.values - plain.values) > least).any() else (0.0, 0.0)
 
 
 def _most_moved(selection: Selection, name: str) -> float:

@@ -73,7 +73,7 @@ class Means:
         self, drive: float, response: float, turn: float, lever: float, of_base: float = 0.0
     ) -> Means:
         """Return the means of base and response times the factors `drive` and `response`, the response turned by
-        `turn`, rad at the drive frequency, n times that at harmonic n, to first order.
+        `turn`, rad at the drive frequency, n times that at harmonic n.
 
         lever : factor of what the drive does, the motion of the base by itself staying as it is.
         of_base : how many times the fundamental of the base was added to what was measured of the response.
@@ -83,7 +83,7 @@ class Means:
 
         def turned(x: Complexes, lowest: int) -> Complexes:
             n = lowest + 2 * np.arange(x.shape[1])
-            return np.asarray(x * response * (1.0 - 1j * turn * n))
+            return np.asarray(x * response * np.exp(-1j * turn * n))
 
         x, driven = turned(self.x - added, 1) + added * drive, drive * lever
         return Means(self.Y * driven, x, turned(self.even, 2), self.base * driven, self.bias)
