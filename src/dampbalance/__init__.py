@@ -4,9 +4,9 @@ After Liang & Feeny, *Balancing energy to estimate damping in a forced oscillato
 DETC2010-28049.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = (
+    False  # true to a type checker; `typing` and more are imported where Ctrl-C is caught
+)
 if TYPE_CHECKING:
     from .balance import Rows
     from .features import Features
@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     from .identification.result import Result
     from .identification.stepped_sine import damping_at
     from .measured import identify, identify_joint, read_records
-    from .model import BaseMotion, Oscillator
+    from .model import BaseMotion, NoOscillator, Oscillator
     from .motion.orbit import NoSteadyOrbit, Orbit, steady_orbit
     from .motion.orbits import Orbits, steady_orbits
     from .motion.regime import Regime
     from .motion.sliders import SlidersOrbit, sliders_orbit
     from .motion.states import State
     from .motion.transient import Trajectory, transient
+    from .project.documents import ConfigurationError
     from .records.channel import Channel
     from .records.errors import RecordError
     from .records.record import Record
@@ -43,8 +44,10 @@ __all__ = [
     "Answer",
     "BaseMotion",
     "Channel",
+    "ConfigurationError",
     "Features",
     "Interval",
+    "NoOscillator",
     "NoSteadyOrbit",
     "Orbit",
     "Orbits",
@@ -97,13 +100,14 @@ _MODULES = {
     "identification.result": ("Result",),
     "identification.stepped_sine": ("damping_at",),
     "measured": ("identify", "identify_joint", "read_records"),
-    "model": ("BaseMotion", "Oscillator"),
+    "model": ("BaseMotion", "NoOscillator", "Oscillator"),
     "motion.orbit": ("NoSteadyOrbit", "Orbit", "steady_orbit"),
     "motion.orbits": ("Orbits", "steady_orbits"),
     "motion.regime": ("Regime",),
     "motion.sliders": ("SlidersOrbit", "sliders_orbit"),
     "motion.states": ("State",),
     "motion.transient": ("Trajectory", "transient"),
+    "project.documents": ("ConfigurationError",),
     "records.channel": ("Channel",),
     "records.errors": ("RecordError",),
     "records.record": ("Record",),
@@ -113,6 +117,8 @@ _MODULES = {
 
 
 def __getattr__(name: str) -> object:
+    from importlib import import_module
+
     for module, names in _MODULES.items():
         if name in names:
             found = getattr(import_module(f".{module}", __name__), name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Literal, Unpack, get_args
+from typing import TYPE_CHECKING, Any, Literal, Never, get_args
 
 from .arguments import one_of
 from .findings.finding import Finding
@@ -16,7 +16,7 @@ from .identification.loading import keeps_moving
 from .identification.loops import identify_loops
 from .identification.result import Result
 from .identification.stepped_sine import identify_joint as identify_joint
-from .project.options import AnyOptions, Stated, asked, with_options
+from .project.options import Stated, asked, options_of, with_options
 from .records.channel import ACCOMPANYING
 from .records.mapping import MappingLike
 from .records.measured import as_records
@@ -49,11 +49,11 @@ def read_records(
 ) -> tuple[Record, ...]:
     """Return measured records, ready for `identify`: from files, tables of pandas, or arrays.
 
-    records : one, or several. Each is the path of a file in any format (`config/records/README.md`); a pandas
-    DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a `Table`, as
-    `records.readers.table` makes it; or a `Record`, of channels or already read. Columns and arrays are named like
-    those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number. A masked sample
-    is missing, as an empty cell of a file is.
+    records : one, or several. Each is the path of a file in any format (`config/records/README.md`), or of a folder of
+    them; a pandas DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a
+    `Table`, as `records.readers.table` makes it; or a `Record`, of channels or already read. Columns and arrays are
+    named like those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number. A
+    masked sample is missing, as an empty cell of a file is.
     mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
     one; default, for a file, the one next to it.
     tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
@@ -81,14 +81,30 @@ def read_records(
     return as_records(records, mapping=mapping, kind=kind, reader=reader)
 
 
-@with_options(AnyOptions)
+@with_options
 def identify(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
     kind: Kind = "recognised",
-    **options: Unpack[AnyOptions],
+    mass: Stated | None = None,
+    frequency: float | str | None = None,
+    groups: Mapping[str, Sequence[str] | str] | None = None,
+    contact_to: Literal["ground", "base"] = "ground",
+    fixture_mass: float | str | None = None,
+    skip_cycles: int = 0,
+    laws: bool = False,
+    terms: Sequence[str] | str | None = None,
+    given: Mapping[str, float] | None = None,
+    pendulum: bool = False,
+    contact: Literal["both", "one slider", "gradual"] = "both",
+    hardening: bool = True,
+    residual: bool = False,
+    normal_force: Stated | None = None,
+    fixture_stiffness: float | str | None = None,
+    backlash: bool = True,
+    **unknown: Never,
 ) -> Result[Any]:
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
@@ -98,14 +114,15 @@ def identify(
     for any kind.
 
     records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
-    stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0); it scales F_k
-    and c. Only tables of responses to a force, measured loops and steady speeds do without.
+    stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0), or a text
+    with its unit, "2.31 ± 0.01 N/mm"; it scales F_k and c. Only tables of responses to a force, measured loops and
+    steady speeds do without.
     mapping : what the records do not say of their channels, where they are read here.
     kind : "forced", "ring-down", "stepped-sine", "loops" or "friction-speed", where it is not to be recognised:
     tables by their columns of frequency and phase, or of velocity and force in both directions without times; measured
     loops by force and displacement or velocity where neither stiffness nor mass is given, forced records by an
     excitation channel that keeps moving.
-    {options}
+    The options of the signature, which `help` describes.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option
     that does not apply to the kind, records of several kinds, and what the function for the kind refuses.
@@ -122,18 +139,18 @@ def identify(
     """
     one_of("kind", kind, get_args(Kind))
     recognised = kind == "recognised"
-    given = asked(kind, {"stiffness": stiffness, **options})
+    options = asked(kind, options_of(locals()))
     if recognised:
         records = read_records(records, mapping=mapping)
         if not all(record.channels for record in records):
             kind = "stepped-sine"
         elif records and not any(one.timed or "displacement" in one for one in records):
             kind = "friction-speed"
-        elif not {"stiffness", "mass"} & given.keys() and all(map(_is_loop, records)):
+        elif not {"stiffness", "mass"} & options.keys() and all(map(_is_loop, records)):
             kind = "loops"
         else:
             kind = "forced" if all(map(keeps_moving, records)) else "ring-down"
-    found = WAYS[kind](records, mapping=mapping, **given)
+    found = WAYS[kind](records, **options)
     if recognised and kind == "loops":
         found = replace(found, check=[*(found.check or ()), Finding("taken for loops")])
     return found

@@ -5,6 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -17,10 +19,11 @@ from dampbalance import identify
 from dampbalance.commands import kernels
 from dampbalance.commands.main import COMMANDS, main, parser
 from dampbalance.identification.outputs import OUTPUTS, TABLES, outputs_of
+from dampbalance.records.channel import EXCITATIONS
 from dampbalance.records.readers import read
 from folders import ROOT, contents
 from paper_case import PAPER
-from processes import output_of
+from processes import output_of, run
 from records.drafts import filled
 
 RECORDS = sorted(str(path) for path in (ROOT / "config/records/example").glob("level*.csv"))
@@ -193,7 +196,7 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, answer):
     assert not mapping.exists()
     shown, written = answer(*draft), mapping.read_text(encoding="utf-8")
     assert shown.startswith(f"{written}\nWritten to {mapping}. ")
-    assert "is not allowed" in answer(*command, code=2)  # its blanks are still there
+    assert "blanks" in answer(*command, code=2)  # its blanks are still there
     columns = {"base_displacement": "Channel A", "displacement": "Channel B"}
     said = filled(yaml.safe_load(written), columns, units={"displacement": "m"})
     mapping.write_text(yaml.safe_dump(said), encoding="utf-8")
@@ -248,8 +251,41 @@ def test_sliders_and_laws_are_what_damps_a_simulated_record(tmp_path, option, va
 
 
 @pytest.mark.parametrize(
+    ("channels", "amplitude", "most"),
+    [
+        ("force acceleration", "2.5", 2.5),
+        ("force displacement", "0.5 lbf", 0.5 * 4.4482216152605),
+        ("torque angle", "30 N mm", 0.03),
+        ("base_displacement velocity", "3 mm", 0.003),
+        ("base_acceleration velocity", "0.003", 0.003 * OMEGA**2),
+    ],
+)
+def test_the_amplitude_is_that_of_what_drives(channels, amplitude, most, tmp_path):
+    named = [word for one in channels.split() for word in ("--channel", one)]
+    motion = ["--frequency", "4.92", "--amplitude", amplitude, "--cycles", "3"]
+    assert code_of("simulate", tmp_path / "a.csv", *motion, *named) == 0
+    record = read(tmp_path / "a.csv")
+    (drive,) = (record[of].values for of in record if of in EXCITATIONS)
+    assert np.abs(drive).max() == pytest.approx(most, rel=1e-12)  # the first sample is a peak
+
+
+def test_a_force_leaves_the_base_at_rest(tmp_path):
+    of_force = ("--channel", "force", *SMALL, "--channel")
+    one, other = tmp_path / "a.csv", tmp_path / "b.csv"
+    motion = ["--frequency", "4.92", "--amplitude", "7 N"]
+    for file, channel in ((one, "velocity"), (other, "relative_velocity")):
+        assert code_of("simulate", file, *motion, *of_force, channel) == 0
+    np.testing.assert_array_equal(
+        read(one)["velocity"].values, read(other)["relative_velocity"].values
+    )
+
+
+@pytest.mark.parametrize(
     ("arguments", "message"),
     [
+        ("--amplitude 2N", "'N' is no unit for m; for that of a force"),
+        ("--channel force --channel velocity --law c_r=3", "rests under a force: give c"),
+        ("--channel force --channel base_angle", "only one of force and base_angle can drive"),
         ("--law c=1 --damping 2", "c is in --law and given by --damping as well"),
         ("--law c_2[a]=1", "name the term alone"),
         ("--law c_2=1 --frequency 1e-4", "no more than 3,000 can be followed under such a law"),
@@ -278,9 +314,108 @@ def test_a_simulation_that_makes_no_sense_is_refused(arguments, message, tmp_pat
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_names_no_option_that_the_command_lacks(command, answer):
     assert answer("--version").startswith("dampbalance ")
-    (commands,) = (action for action in parser([command])._actions if action.choices)
+    (commands,) = (action for action in parser([command])._actions if action.dest == "command")
     options = {o for one in commands.choices[command]._actions for o in one.option_strings}
     assert {*re.findall(r"--[a-z][\w-]*", answer(command, "--help"))} <= options
+
+
+@pytest.mark.parametrize(
+    ("arguments", "meant"),
+    [
+        ("identfy", "identify"),
+        ("identify a.csv --stifness=400", "--stiffness"),
+        ("identify a.csv --no-lws", "--no-laws"),
+        ("identify a.csv -mass 3", "--mass"),
+        ("simulate a.csv --frequency 3 --ampltude 1", "--amplitude"),  # which is missing, too
+        ("release a.csv --quite", "--quiet"),
+    ],
+)
+def test_what_is_misspelt_is_recognised(arguments, meant, answer):
+    (said,) = answer(*arguments.split(), code=2).splitlines()
+    assert f"did you mean {meant}?" in said
+
+
+def test_a_quiet_command_says_nothing_but_errors_and_the_document_asked_for(tmp_path, capsys):
+    record, found = tmp_path / "a.csv", tmp_path / "found"
+    release = [
+        "release",
+        record,
+        "--displacement",
+        "0.02",
+        "--damp",
+        "3",
+        "--quiet",
+    ]  # an abbreviation
+    assert code_of(*release) == 0
+    identified = ["identify", record, "--stiffness", "2310", "--quiet"]
+    assert code_of(*identified, "--output", found, "--no-figures") == 0
+    assert capsys.readouterr() == ("", "")
+    assert code_of(*identified, "--json", "-") == 0
+    document = (found / "identification.json").read_text(encoding="utf-8")
+    assert capsys.readouterr() == (document, "")
+    assert code_of(*release) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+INTERRUPTED = """
+import sys
+class Stop:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Stop())
+sys.argv[1:] = {arguments}
+from dampbalance.__main__ import main
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("module", ["argparse", "numpy", "dampbalance.measured"])
+def test_an_interruption_of_imports_ends_in_a_line(module, tmp_path):
+    program = INTERRUPTED.format(module=module, arguments=[*QUICK, "--output", str(tmp_path / "a")])
+    done = run(sys.executable, "-c", program)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (130, "", 1)
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_an_interrupted_command_names_what_it_has_written(tmp_path):
+    command = [sys.executable, "-u", "-m", "dampbalance", "demo", str(tmp_path)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as demo:
+        first = demo.stdout.readline()
+        demo.send_signal(signal.SIGINT)
+        _, said = demo.communicate()
+    # by the signal itself where it fell into a text that Python executes, as of a named tuple
+    assert demo.returncode in (130, -signal.SIGINT)
+    assert said.count("\n") == 1
+    assert first.removeprefix("Written: ").strip() in said
+    there, named = {one.name for one in tmp_path.iterdir()}, {*re.findall(r"level\d\.csv", said)}
+    # one may have been finished at that moment
+    assert named <= there
+    assert len(there - named) <= 1
+
+
+COMPLETED = """
+eval "$("$0" -m dampbalance --print-completion bash)"
+COMP_WORDS=(dampbalance "$@"); COMP_CWORD=$#; _shtab_dampbalance; echo "${COMPREPLY[@]}"
+"""
+
+
+@pytest.mark.parametrize(
+    ("typed", "completed"),
+    [
+        (["ide"], "identify"),
+        (["identify", "--st"], "--stiffness"),
+        (["identify", "run"], "run1.csv run2.csv"),
+        (["simulate", "run1.csv", "--channel", "base_d"], "base_displacement"),
+    ],
+)
+def test_a_shell_completes_commands_options_values_and_files(typed, completed, tmp_path):
+    for name in ("run1.csv", "run2.csv"):
+        (tmp_path / name).touch()
+    command = ("bash", "-c", COMPLETED, sys.executable, *typed)
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert sorted(done.stdout.split()) == completed.split()
 
 
 @pytest.mark.parametrize("part", kernels.PARTS)

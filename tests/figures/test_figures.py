@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 import re
 from dataclasses import replace
@@ -16,9 +17,18 @@ from PIL import Image
 
 from dampbalance import BaseMotion, balance, figures, steady_orbit
 from dampbalance.estimates import estimate_table
-from dampbalance.figures import looks
+from dampbalance.figures import looks, style
 from dampbalance.figures.cycle import branches
+from dampbalance.figures.rig_drawings import rigs
 from dampbalance.figures.series import signed_scale
+from dampbalance.figures.style import (
+    DOUBLE_COLUMN,
+    MM,
+    SINGLE_COLUMN,
+    explained,
+    in_one_column,
+    styled,
+)
 from legible import faults
 from paper_case import FREQUENCIES_HZ, LEVELS, OMEGA, PAIRS, PAPER, features_at, orbits_at
 
@@ -102,6 +112,46 @@ def test_approaches_stay_apart_in_shape(monkeypatch):
     monkeypatch.setitem(balance.APPROACHES, "new", balance.Approach("new", balance.direct, "t_s"))
     assert [looks.look_of(name) for name in ("new", "other")] == list(looks.SPARE[:2])
     assert [looks.in_maths(looks.label_of(name)) for name in ("new", "other")] == ["$t_s$", "other"]
+
+
+# --- on a phone ----------------------------------------------------------------------------------
+
+
+@styled()
+@pytest.mark.parametrize(("columns", "entries"), [(1, 1), (2, 3), (3, 6)])
+def test_panels_stand_below_each_other_in_one_column(columns, entries):
+    figure = style.page(DOUBLE_COLUMN, 90.0)
+    for i in range(columns):
+        left, width = 16.0 + i * 180.0 / columns, 180.0 / columns - 20.0
+        upper, lower = (
+            style.place(figure, left, y, width, high) for y, high in ((40.0, 35.0), (20.0, 14.0))
+        )
+        for j in range(entries):
+            upper.plot([0.0, 1.7e4], [j, -2.5e3], label=f"the entry number {j}")
+        upper.set(title=f"a\nrecord {i}", ylabel="$F_k$ (N)")
+        upper.tick_params(labelbottom=False)
+        lower.set(xlabel="$t$ (s)", ylabel="left", ylim=(-1.0, 1.0), yticks=[0.0])
+    wide = explained(figure, scale=2.0)
+    heights = [axes.get_window_extent().height for axes in wide.axes]
+    narrow = in_one_column(wide)
+    assert faults(narrow) == []
+    assert narrow.get_figwidth() == pytest.approx(SINGLE_COLUMN * MM)
+    boxes = [axes.get_window_extent() for axes in narrow.axes]
+    assert [box.height for box in boxes] == pytest.approx(heights)
+    assert all(above.y0 > below.y1 for above, below in itertools.pairwise(boxes))
+    assert min(box.width for box in boxes) > 0.7 * narrow.bbox.width  # the rest is for labels
+    (legend,) = narrow.legends
+    assert len(legend.get_texts()) == entries
+    assert legend.markerscale == 2.0
+
+
+def test_rigs_are_legible_on_a_phone():
+    figure = rigs()
+    assert faults(figure) == []
+    # px of a screen: a phone of 390 px has 330 for a picture, which is not made smaller; letters of 11 px are legible
+    assert 96.0 * figure.get_figwidth() <= 330.0
+    sizes = [text.get_size() for axes in figure.axes for text in axes.texts]
+    assert 96.0 / 72.0 * min(sizes) >= 11.0
 
 
 # --- Figure 2 ------------------------------------------------------------------------------------

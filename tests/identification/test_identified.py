@@ -355,7 +355,7 @@ def test_files_of_a_data_logger_are_identified_by_the_mapping_that_is_suggested(
     with pytest.raises(RecordError, match="what do"):
         identify(files, truth.k)
     suggested = mapping_to_start_from(files[0], {"delimiter": ","})
-    for reason in ("'No': rises by 1", "'Temp': a temperature", "'Status': constant, 0"):
+    for reason in ("'No': rises by 1", "'Temp': a temperature", "'Status': constant"):
         assert f"# left aside: {reason}" in suggested
     mapping = filled(yaml.safe_load(suggested), sensors)
     assert mapping["delimiter"] == ","
@@ -433,6 +433,21 @@ TAKEN = {
 MISPLACED = "is for .*, and these are .*: leave it out"
 
 
+@pytest.mark.parametrize("kind", [*WAYS, "recognised"])
+def test_signatures_write_out_the_options_of_the_table(kind):
+    function = WAYS.get(kind, identify)
+    named = [
+        (name, eval(of.annotation, function.__globals__), of.default)
+        for name, of in inspect.signature(function).parameters.items()
+        if name in OPTIONS and name != "mapping"  # which may be a document, too
+    ]
+    # each has a stiffness, to say of some that there is none
+    taken = [of for of in OPTIONS.values() if kind in (*of.kinds, "recognised")]
+    taken = [OPTIONS["stiffness"], *(of for of in taken if of.name not in ("mapping", "stiffness"))]
+    assert named == [(of.name, of.type, of.default) for of in taken]
+    assert all(f"\n    {name} : " in function.__doc__ for name, *_ in named[1:])
+
+
 @pytest.mark.parametrize("kind", WAYS)
 def test_each_kind_takes_its_options_and_refuses_others(kind):
     needs = {"stiffness": K} if kind in ("forced", "ring-down") else {}
@@ -454,8 +469,9 @@ def test_each_kind_takes_its_options_and_refuses_others(kind):
 
 
 def test_an_unknown_option_is_that_of_a_call_and_one_at_its_default_is_none():
-    with pytest.raises(TypeError, match="unexpected keyword argument 'frequncy'"):
-        identify(DECAY, K, frequncy=3.5)
+    for function in (identify, *WAYS.values()):
+        with pytest.raises(TypeError, match=r"'frequncy' \(did you mean frequency\?\)"):
+            function(DECAY, frequncy=3.5)
     named = {name: OPTIONS[name].default for name in (*VALUES, "mass")}
     found, own = identify(DECAY, K, **named), identify_decays(DECAY, K)
     assert found.document() == own.document()
@@ -466,7 +482,14 @@ def test_an_unknown_option_is_that_of_a_call_and_one_at_its_default_is_none():
 def test_a_configuration_has_every_argument():
     keys = read_case_schema()["properties"]["measured"]["items"]["properties"].keys()
     arguments = configured(dict.fromkeys(keys, 1.0) | {"kind": "forced"}).keys()
-    assert {"records", *arguments} == inspect.signature(identify).parameters.keys()
+    assert {"records", "unknown", *arguments} == inspect.signature(identify).parameters.keys()
+
+
+def test_completion_offers_what_a_user_needs(decay):
+    offered = {name for name in dir(decay) if not name.startswith("_")}
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert {*re.findall(r"\bfound\.(\w+)", text), "to_frame", "document", "findings"} <= offered
+    assert not offered & {"basis", "head", "hint", "odd", "rig", "unanswered"}
 
 
 def test_what_no_fit_determines_is_nan():

@@ -68,6 +68,8 @@ def violations(page: Any, within: str | None = None) -> list[str]:
     ]
 
 
+# Texts of boxes that scroll sideways, or could.
+WIDER = """all => all.filter(one => one.clientWidth && one.scrollWidth > one.clientWidth).map(one => one.innerText)"""
 PHONE, LAPTOP = VIEWS["phone"]["viewport"], VIEWS["desktop"]["viewport"]
 
 
@@ -190,6 +192,14 @@ def test_a_report_of_a_measurement_fits_a_phone_and_prints_with_the_verdict_on_t
     assert hindrances(browser, path.as_uri()) == []
     view = visit(path.as_uri(), viewport=PHONE, color_scheme="dark")
     assert width(view) <= PHONE["width"]
+    assert view.eval_on_selector_all("*", WIDER) == []
+    verdicts = view.locator("td .verdict").all()
+    ends = [of["x"] + of["width"] for of in (one.bounding_box() for one in verdicts)]
+    assert len(ends) == 3
+    assert max(ends) <= PHONE["width"]
+    # pictures are in the form for a phone, which is 90 mm wide: letters keep their size
+    shown = view.eval_on_selector_all("picture img", "all => all.map(one => one.naturalWidth)")
+    assert shown[:3] == pytest.approx([90.0 / 25.4 * 96.0] * 3, abs=1.0)
     decoded = "all => Promise.all(all.map(one => one.decode().then(() => one.naturalWidth)))"
     drawn = view.eval_on_selector_all("img", decoded)
     assert len(drawn) == 4  # three pictures, and the rig
@@ -222,7 +232,6 @@ def test_a_search_without_a_network_finds_it(site, visit, words, leads):
 
 def test_no_block_is_cut_on_a_laptop_and_no_page_wider_than_a_phone(site, window):
     """Code on all pages; tables on those that are not lists of numbers or keys."""
-    wider = "all => all.filter(one => one.scrollWidth > one.clientWidth).map(one => one.innerText)"
     cut, wide = [], []
     for path in sorted(site.rglob("*.html")):
         name = path.relative_to(site).as_posix()
@@ -232,7 +241,7 @@ def test_no_block_is_cut_on_a_laptop_and_no_page_wider_than_a_phone(site, window
         window.goto(path.as_uri())
         lists = name.startswith(("reference/", "explain/"))
         blocks = "pre" if lists else "pre, .pst-scrollable-table-container"
-        cut += [(name, text) for text in window.eval_on_selector_all(blocks, wider)]
+        cut += [(name, text) for text in window.eval_on_selector_all(blocks, WIDER)]
         window.set_viewport_size(PHONE)
         wide += [name] * (width(window) > PHONE["width"])
     assert (cut, wide) == ([], [])

@@ -57,7 +57,8 @@ def test_no_link_is_dead_and_nothing_loaded_from_elsewhere(site, pages):
 
 def test_pages_show_what_was_computed(site):
     """The numbers on the pages are those of the documents that the commands wrote, which can be downloaded."""
-    for page, place in (("howto/identify", "example/dampbalance-demo"), ("start/case", "case")):
+    demo = "example/dampbalance-demo"
+    for page, place in (("index", demo), ("howto/identify", demo), ("start/case", "case")):
         written = (site / f"run/{place}/found/identification.json").read_text(encoding="utf-8")
         fit = json.loads(written)["maximum_likelihood"]
         low, high = fit["F_k_interval_N"]

@@ -118,6 +118,13 @@ def test_mistakes_are_named(message):
     assert "\n" not in str(error.value)  # one mistake, one line
 
 
+def test_each_missing_key_is_named_once():
+    with pytest.raises(RecordError) as error:
+        mapping_from({"table": TWO}, "run.yaml")
+    keys = [line.split(": ")[1] for line in str(error.value).splitlines()]
+    assert keys == ["table.frequency", "table.phase"]
+
+
 UNFIT = {
     r"acceleration\.channel: .* no channel 'b'; it has 1 'y .mm.', 2 'acc .g.'": {"channel": "b"},
     "there is no channel 9; .* has 4": {"channel": 9},

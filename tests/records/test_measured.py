@@ -150,6 +150,19 @@ def test_what_is_no_record_is_refused(message):
         read_records(NO_RECORDS[message])
 
 
+def test_a_folder_is_its_records_in_order(tmp_path):
+    """A file that holds channels of others, and what is no record, are none."""
+    with pytest.raises(RecordError, match=r"holds no records, whose files end in \.csv"):
+        read_records(tmp_path)
+    for name in ("run10.csv", "run9.csv", "table.dat", "notes.md", "found"):
+        pd.DataFrame(ARRAYS).to_csv(tmp_path / name, index=False)
+    base = "base_displacement: {channel: base_displacement, file: table.dat}"
+    text = f"channels:\n  {base}\n  acceleration: {{channel: acceleration}}\n"
+    (tmp_path / "run10.yaml").write_text(text, encoding="utf-8")
+    read = read_records([tmp_path, ARRAYS])
+    assert [record.label for record in read] == ["run9.csv", "run10.csv", "record 3"]
+
+
 # Channels, and simulated records
 
 STEADY = steady_orbit(PAPER, BaseMotion(0.008, OMEGA))

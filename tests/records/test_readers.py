@@ -234,7 +234,7 @@ def test_bad_text(csv, message):
 
 def test_channels_that_are_not_used_are_listed(csv):
     path = csv("time [s],base [mm],acc [g],CH 4 [V],t2 [s]\n" + rows(columns=(T, Y, A, Y, T)))
-    with pytest.warns(RecordWarning, match=r"channels not used: 'CH 4 \[V\]' .*; say in .*yaml"):
+    with pytest.warns(RecordWarning, match=r"channels not used: 'CH 4 \[V\]' .*; say in a mapping"):
         assert_expected(read(path))
     read(path, two(2, 3))  # on purpose
 

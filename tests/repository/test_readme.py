@@ -15,6 +15,7 @@ import dampbalance
 from dampbalance import Oscillator, identify, measured_ring_down
 from dampbalance.figures import figure3, save
 from dampbalance.figures.rig_drawings import rigs
+from dampbalance.figures.style import in_one_column
 from dampbalance.identification.pictures import draw
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims.causes import Sources
@@ -76,8 +77,8 @@ def decay_with_fit():
         for symbol, unit, true in (("F_k", "N", truth.F_k), ("c", "N s/m", truth.c))
         for low, high in [answer.intervals[symbol]]
     ]
-    figure.axes[0].set_title(", ".join(words), parse_math=True, size=9.0)
-    return figure
+    figure.axes[0].set_title("\n".join(words), parse_math=True, size=9.0)
+    return in_one_column(figure)
 
 
 def test_the_pictures_are_those_that_are_drawn(tmp_path):

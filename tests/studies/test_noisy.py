@@ -211,7 +211,9 @@ def test_the_figure_shows_95_percent_of_the_errors_and_the_coverage_of_each_line
         sizes = at[f"c_relative_error__{label}"].apply(lambda e: np.sort(e)[28])
         share = at[f"c_covered__{label}"].mean()
         for name, expected in (("errors", sizes), ("coverage", share)):
-            points, _, (bars,) = axes[f"c $f$ = 3.5 Hz {name}"].containers[i]
+            points, _, (bars,) = axes[f"c $\\omega/\\omega_n$ = 0.712 (3.5 Hz) {name}"].containers[
+                i
+            ]
             assert points.get_ydata() == pytest.approx(100.0 * expected.to_numpy())
             ends = np.array(bars.get_segments())[:, :, 1]
             assert np.all((ends[:, 0] < points.get_ydata()) & (points.get_ydata() < ends[:, 1]))

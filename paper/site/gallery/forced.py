@@ -64,12 +64,13 @@ found = identify(records, stiffness=2310.0, mass=2.42)
 print(found)
 
 # %% [markdown]
-# ## What the contact does
+# ## Does the model explain the motion?
 #
-# Friction over displacement: half the height of a loop is F_k, its area the energy that friction takes in a cycle.
+# Each record folded onto one cycle of the drive, with the fitted oscillator. A pattern in the residual below would be a
+# motion that the model does not explain.
 
-# %% alt="Loops of the friction force, a panel for each level: rectangles of the same height."
-found.plot("friction")
+# %% alt="The acceleration over one cycle, a panel for each level, with a step where the mass turns; residuals below."
+found.plot("cycles")
 plt.show()
 
 # %% [markdown]

@@ -49,12 +49,12 @@ def run(options: argparse.Namespace) -> None:
     require_room(folder, names, "" if again else "--overwrite")
     for seed, (record, level) in enumerate(zip(records, _LEVELS_MM, strict=True), start=1):
         motion = ("--amplitude", f"{level / 1000:g}", "--seed", f"{seed}")
-        _run("simulate", str(record), *motion, *_RECORD, *again)
+        _run(options, "simulate", str(record), *motion, *_RECORD, *again)
     given = ["--stiffness", f"{STIFFNESS:g}", "--mass", f"{MASS:g}", "--frequency", "3.5"]
     given += ["--output", str(results)]
     report = results / REPORT
     print(f"\n$ dampbalance identify {shlex.quote(str(folder))}/level*.csv {shlex.join(given)}")
-    _run("identify", *map(str, records), *given, *again)
+    _run(options, "identify", *map(str, records), *given, *again)
     print(
         f"\nThe records were made with F_k = {FRICTION:g} N, c = {DAMPING:g} N s/m and K_z = {CONTACT:g} N/m: compare "
         f"the first line.\nThe report is {report}. Repeat the command above with records of your own."
@@ -63,7 +63,10 @@ def run(options: argparse.Namespace) -> None:
         webbrowser.open(report.resolve().as_uri())
 
 
-def _run(name: str, *arguments: str) -> None:
-    """Run another command of this room with these arguments."""
-    options = parser([name]).parse_args([name, *arguments])
-    options.run(options)
+def _run(options: argparse.Namespace, name: str, *arguments: str) -> None:
+    """Run another command of this room with these arguments, as a part of this one."""
+    own = parser([name]).parse_args([name, *arguments])
+    try:
+        own.run(own)
+    finally:
+        options.written += own.written

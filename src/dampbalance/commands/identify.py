@@ -84,8 +84,8 @@ def run(options: argparse.Namespace) -> bool:
     shown, width = answer, shutil.get_terminal_size().columns
     if options.json != _SCREEN:
         shown = result.text(width) if options.details else result.screen(width)
-    print(shown, end="")
-    places, drawn = [], ""
+    print(shown, end="", file=options.screen if options.json == _SCREEN else None)
+    places, drawn = options.written, ""
     if document is not None:
         write_text(document, answer)
         places.append(str(document))
@@ -107,26 +107,29 @@ def run(options: argparse.Namespace) -> bool:
 def _write_mapping(options: argparse.Namespace) -> None:
     """Write a mapping for the first record that the others can be read with, show it, and say how it is used."""
     from ..records.mapping import BLANK, find_mapping, mapping_for, read_mapping
+    from ..records.measured import files_of
     from ..records.readers import mapping_to_start_from, quantities_of
 
+    records = [*files_of(options.records, getattr(options, "mapping", None))]
     file: Path = options.write_mapping
     if file.suffix != ".yaml":
         raise ValueError(f"--write-mapping {file}: the name of a mapping must end in .yaml")
     stepped = None if options.kind == "recognised" else options.kind == "stepped-sine"
     require_room(file.parent, [file.name], "" if options.overwrite else "--overwrite")
-    known = mapping_for(options.records[0], getattr(options, "mapping", None))
+    known = mapping_for(records[0], getattr(options, "mapping", None))
     known = replace(known, kind=options.kind)
-    text = mapping_to_start_from(options.records[0], known, stepped)
+    text = mapping_to_start_from(records[0], known, stepped)
     with replacing(file) as unfinished:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
         blanks = f'{BLANK}"' in text
         of_file = {"source": str(file), "kind": options.kind}
         mapping = None if blanks else replace(read_mapping(unfinished), **of_file)
-        for record in options.records if mapping and mapping.channels else ():
+        for record in records if mapping and mapping.channels else ():
             quantities_of(record, mapping)
-    is_usual = all(find_mapping(record) == file for record in options.records)
+    is_usual = all(find_mapping(record) == file for record in records)
     use = "without --write-mapping" if is_usual else f"with --mapping {file} instead"
     todo = f'Fill in what "{BLANK}" stands for' if blanks else "Check each line"
+    options.written.append(str(file))
     print(f"{text}\nWritten to {file}. {todo}, then give the same command {use}.")
 
 
@@ -194,7 +197,7 @@ _RESULTS = {
 
 ARGUMENTS: dict[str, dict[str, Any]] = {
     "records": argument(
-        "one file per level, at least as many as coefficients; one is enough for a free decay",
+        "one file per level, at least as many as coefficients, or their folder; one for a free decay",
         nargs="+",
         type=Path,
         metavar="RECORD",

@@ -15,6 +15,7 @@ deflection of r, so that the friction force of all is the sum of kappa × r. The
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --noise 0.01 --seed 1
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --law c_2=40,eta=0.02
   dampbalance simulate level1.csv --frequency 3.5 --amplitude 0.004 --sliders 1e-5:40000,5e-5:8000,2e-4:2000
+  dampbalance simulate level1.csv --frequency 3.5 --amplitude "9 N" --channel force --channel acceleration
 """
 
 from __future__ import annotations
@@ -27,13 +28,16 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import NUMBERS, Bounds
 from ..model import BaseMotion, Oscillator
 from ..motion.law_response import law_response
 from ..motion.law_steady import Response
 from ..motion.orbit import Orbit, steady_orbit
 from ..motion.sliders import SlidersOrbit, sliders_orbit
+from ..project.wording import listed
 from ..records.channel import EXCITATIONS, RESPONSES, ROTATING
 from ..records.errors import RecordError
+from ..records.quantities import quantity as read_number
 from ..records.record import Record
 from ..records.synthetic import measured_orbit
 from ..records.writers import write
@@ -75,7 +79,11 @@ ARGUMENTS = arguments(
         "--frequency": quantity(
             "frequency", None, "drive frequency, Hz", required=True, metavar="HZ"
         ),
-        "--amplitude": quantity("Y", None, "amplitude of the base, m", required=True, metavar="Y"),
+        "--amplitude": argument(
+            "amplitude of the base, m, or of the force, N, where a --channel is the force and none the base",
+            required=True,
+            metavar="AMPLITUDE",
+        ),
         "--law": argument(
             "terms of the damping with their coefficients, see below (default: c alone)",
             type=coefficients,
@@ -112,7 +120,9 @@ def writing(
             raise ValueError(f"{options.record} exists already: {remedy}")
         samples = {"rate_hz": options.rate, "noise": options.noise, "seed": options.seed}
         record = simulated(options, channels=tuple(options.channel or default), **samples)
-        print(f"Written: {write(options.record, record)}")
+        file = write(options.record, record)
+        options.written.append(str(file))
+        print(f"Written: {file}")
 
     return run
 
@@ -123,7 +133,13 @@ def _steady_record(options: argparse.Namespace, **common: Any) -> Record:
     if options.sliders and options.law:
         raise ValueError("--sliders and --law cannot be combined: leave out one")
     osc = oscillator(options, law, 0.0 if options.sliders else FRICTION)
-    motion = BaseMotion(Y=options.amplitude, omega=2.0 * math.pi * options.frequency)
+    by_force = _driven_by_force(common["channels"])
+    if by_force and "c_r" in law:
+        raise ValueError(
+            "--law c_r: the base, which it is relative to, rests under a force: give c"
+        )
+    Y = _amplitude(options.amplitude, by_force) / (osc.k if by_force else 1.0)
+    motion = BaseMotion(Y=Y, omega=2.0 * math.pi * options.frequency)
     cycle = f"a cycle of {options.frequency:g} Hz"
     require_brief(osc, 1.0 / options.frequency, cycle, "a higher --frequency", bool(law))
     orbit: Orbit | Response | SlidersOrbit
@@ -136,6 +152,26 @@ def _steady_record(options: argparse.Namespace, **common: Any) -> Record:
 
 
 run = writing(_steady_record, _CHANNELS)
+
+
+def _driven_by_force(channels: Sequence[str]) -> bool:
+    """Return whether the channel that drives is a force, which stands for a base motion f/k, or a torque.
+
+    Raises ValueError where several channels drive.
+    """
+    driving = [one for one in channels if ROTATING.get(one, one) in EXCITATIONS]
+    if len({*driving}) > 1:
+        raise ValueError(f"only one of {listed(driving)} can drive: leave out the other --channel")
+    return [ROTATING.get(one, one) for one in driving] == ["force"]
+
+
+def _amplitude(text: str, of_force: bool) -> float:
+    """Return the amplitude of the base, m, or of the force, N, from a text that may have a unit."""
+    try:
+        return read_number("--amplitude", text, Bounds("N") if of_force else NUMBERS["Y"])
+    except ValueError as error:
+        other = "the base, name its" if of_force else "a force, name that and no base as"
+        raise ValueError(f"{error}; for that of {other} --channel") from None
 
 
 def require_brief(

@@ -178,6 +178,7 @@ def logarithmic_ticks(axes: Axes, which: str, low: float, high: float, ends: boo
     axis = axes.xaxis if which == "x" else axes.yaxis
     # ratio of the ends of an axis up to which 1, 2, 3, 5 are labelled as well as powers of ten
     short = high / low <= 12.0
+    plain = short or (low >= 1e-2 and high <= 1e3)
     subs = (1.0, 2.0, 3.0, 5.0) if short else (1.0,)
     axis.set_major_locator(LogLocator(base=10.0, subs=subs, numticks=20))
     axis.set_minor_locator(LogLocator(base=10.0, subs=np.arange(2.0, 10.0).tolist(), numticks=200))
@@ -186,6 +187,6 @@ def logarithmic_ticks(axes: Axes, which: str, low: float, high: float, ends: boo
     def label(value: float, _: int) -> str:
         if not ends and value > 0.97 * high:
             return ""
-        return f"{value:g}" if short else f"$10^{{{round(math.log10(value))}}}$"
+        return f"{value:g}" if plain else f"$10^{{{round(math.log10(value))}}}$"
 
     axis.set_major_formatter(FuncFormatter(label))

@@ -1,7 +1,8 @@
-"""The rigs whose records are identified, side by side: what holds the contact, what moves, and what is measured."""
+"""The rigs whose records are identified, in rows of two: what holds the contact, what moves, and what is measured."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -11,7 +12,8 @@ from matplotlib.patches import Rectangle
 
 from .style import COOL, FAINT, GREY, INK, STICK, WARM, arrow, page, place, styled
 
-_WIDTH, _HEIGHT, _CAPTION = 36.0, 42.0, 11.0  # of a panel and of what is said below it, mm
+_WIDTH, _HEIGHT, _CAPTION = 36.0, 45.0, 11.0  # of a panel and of what is said below it, mm
+_ABREAST = 2  # a phone shows as many in full size
 _LINE = 0.8  # points
 _SPRING, _DAMPER, _CONTACT = 33.0, 25.5, 18.0  # heights at which they are drawn
 _LOW, _HIGH = 14.5, 37.5  # of masses and walls
@@ -51,11 +53,11 @@ def _damper(axes: Axes, left: float, right: float, name: str) -> None:
 
 def _contact(axes: Axes, left: float, right: float) -> None:
     """Draw the spring K_z of the contact, in series with the slider that holds F_k."""
-    slider = right - 4.0
+    slider = right - 5.2
     _spring(axes, left, slider, _CONTACT, "$K_z$", STICK)
-    axes.add_patch(Rectangle((slider, _CONTACT - 1.8), 3.6, 3.6, fc=WARM, ec=STICK, lw=_LINE))
-    axes.text(slider + 1.8, _CONTACT, "$F_k$", ha="center", va="center", size=6)
-    axes.plot([slider - 0.4, right], [_CONTACT - 1.9] * 2, color=STICK, lw=1.6)
+    axes.add_patch(Rectangle((slider, _CONTACT - 2.2), 4.8, 4.4, fc=WARM, ec=STICK, lw=_LINE))
+    axes.text(slider + 2.4, _CONTACT, "$F_k$", ha="center", va="center", size=8.5)
+    axes.plot([slider - 0.4, right], [_CONTACT - 2.3] * 2, color=STICK, lw=1.6)
 
 
 def _all_between(axes: Axes, left: float, right: float) -> None:
@@ -141,11 +143,13 @@ def rigs(*names: str) -> Figure:
     names : of those to draw; default, all.
     """
     drawn = names or tuple(_RIGS)
-    figure = page(_WIDTH * len(drawn), _HEIGHT + 3.0)
+    rows = math.ceil(len(drawn) / _ABREAST)
+    figure = page(_WIDTH * min(len(drawn), _ABREAST), _HEIGHT * rows)
     for i, name in enumerate(drawn):
         given, draw = _RIGS[name]
-        axes = place(figure, i * _WIDTH, 0.0, _WIDTH, _HEIGHT + 3.0)
-        axes.set(xlim=(0.0, _WIDTH), ylim=(0.0, _HEIGHT + 3.0))  # in mm
+        row, column = divmod(i, _ABREAST)
+        axes = place(figure, column * _WIDTH, (rows - 1 - row) * _HEIGHT, _WIDTH, _HEIGHT)
+        axes.set(xlim=(0.0, _WIDTH), ylim=(0.0, _HEIGHT))  # in mm
         axes.set_axis_off()
         draw(axes)
         axes.text(0.5 * _WIDTH, _CAPTION - 1.0, name, ha="center", va="top", weight="bold")

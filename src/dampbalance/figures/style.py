@@ -10,11 +10,13 @@ from __future__ import annotations
 import re
 import sys
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ..project.files import replacing
 from .looks import HARMONIC_LOOK, LOOKS, SPARE
@@ -60,8 +62,7 @@ for _ticks in ("xtick", "ytick"):
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Yield decorator of the functions that draw: they use STYLE on matplotlib's own defaults, and nothing of the
-    user's."""
+    """Apply STYLE on matplotlib's defaults, ignoring the user's matplotlibrc."""
     import matplotlib.style  # slow to import, and not needed for the colours of this module
 
     with matplotlib.style.context(STYLE, after_reset=True):
@@ -74,7 +75,7 @@ _SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False
 
 @contextmanager
 def lacking_glyphs() -> Iterator[None]:
-    """Let a name in a script that the font lacks is drawn as boxes without a warning."""
+    """Suppress matplotlib's warning about glyphs that the font lacks."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", r"Glyph .* missing from font", UserWarning)
         yield
@@ -136,16 +137,60 @@ def note(
     return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
 
 
-def explained(figure: Figure, panels: Sequence[tuple[Axes, Axes]], scale: float = 2.0) -> Figure:
-    """Draw the figure with a legend at its foot of all that its panels show, marks so many times as large."""
+def explained(figure: Figure, scale: float = 1.0, ncols: int = 0) -> Figure:
+    """Return the figure with a legend at its foot of all that its panels show, marks so many times as large.
+
+    ncols : entries in a line of the legend; default, all of them.
+    """
     named = {
         label: handle
-        for axes, _ in panels
+        for axes in figure.axes
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
     }
     look: dict[str, Any] = {"loc": "lower center", "borderaxespad": 0.3, "markerscale": scale}
-    figure.legend([*named.values()], [*named], ncols=len(named), **look)
+    figure.legend([*named.values()], [*named], ncols=ncols or max(1, len(named)), **look)
     return figure
+
+
+@styled()
+def in_one_column(figure: Figure) -> Figure:
+    """Rearrange the panels of a figure below each other on a page of a single column, as for a phone.
+
+    They keep their height and the order in which they were drawn, and are as wide as their labels allow. The legend
+    takes as many lines as it needs.
+    """
+    mm = figure.dpi * MM
+    heights = [axes.get_window_extent().height / mm for axes in figure.axes]
+    figure.set_size_inches(SINGLE_COLUMN * MM, figure.get_figheight())
+    for axes in figure.axes:  # about as wide as they will be, as their ticks depend on it
+        axes.set_position((0.15, axes.get_position().y0, 0.8, axes.get_position().height))
+    frames = [axes.get_window_extent().extents for axes in figure.axes]
+    boxes = [(axes.get_tightbbox() or axes.bbox).extents for axes in figure.axes]
+    # mm that the labels of each panel take beside its frame: left, below, right, above
+    beside = 1.0 + np.abs(np.array(boxes) - frames) / mm
+    (left, _, right, _), under, over = beside.max(axis=0), beside[:, 1], beside[:, 3]
+    foot = _narrow_legend(figure, SINGLE_COLUMN * mm) / mm
+    width, level = SINGLE_COLUMN - left - right, foot + sum((*heights, *over, *under))
+    figure.set_size_inches(SINGLE_COLUMN * MM, level * MM)
+    page = np.array([SINGLE_COLUMN, level, SINGLE_COLUMN, level])
+    for axes, height, above, below in zip(figure.axes, heights, over, under, strict=True):
+        level -= above + height
+        axes.set_position(tuple(np.array([left, level, width, height]) / page))
+        level -= below
+    return figure
+
+
+def _narrow_legend(figure: Figure, width: float) -> float:
+    """Draw the legend of a figure, if it has one, in lines of at most this width; return its height, both in dots."""
+    height = 0.0
+    for legend in [*figure.legends]:
+        ncols = len(legend.get_texts())
+        while (box := legend.get_window_extent()).width > width and ncols > 1:
+            legend.remove()
+            ncols -= 1
+            legend = explained(figure, legend.markerscale, ncols).legends[-1]
+        height = box.height
+    return float(height)
 
 
 def arrow(

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Never
 
 import numpy as np
 from scipy import special
@@ -25,7 +25,7 @@ from ..fit.decay_departures import as_pendulum, weighed
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..fit.select import REFITTED, Selection
-from ..project.options import DecayOptions, Stated, with_options
+from ..project.options import Stated, options_of, with_options
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
 from ..records.coordinate import ROTATION
@@ -159,13 +159,16 @@ def _counted(n: int, what: str) -> str:
     return f"{n} {what}{'s' * (n != 1)}"
 
 
-@with_options(DecayOptions)
+@with_options
 def identify_decays(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    **options: Unpack[DecayOptions],
+    mass: Stated | None = None,
+    laws: bool = False,
+    pendulum: bool = False,
+    **unknown: Never,
 ) -> Result[DecayBasis]:
     """Identify F_k, c and K_z from records of free decays, one or several after releases or blows; one is enough.
 
@@ -174,7 +177,7 @@ def identify_decays(
 
     records : as `read_records` returns or takes them.
     stiffness, mapping : as for `identify_forced`.
-    {options}
+    The options of the signature, which `help` describes.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range, a record whose excitation channel keeps moving or that holds no free decay.
@@ -186,7 +189,7 @@ def identify_decays(
     >>> {symbol: round(found.values[symbol], 1) for symbol in ("F_k", "c")}
     {'F_k': 0.5, 'c': 1.0}
     """
-    given, read = {"stiffness": stiffness, **options}, tuple[Record, ...]()
+    given, read = options_of(locals()), tuple[Record, ...]()
     try:
         read, asked_for = read_request("ring-down", records, mapping, given)
         found = _of_records(read, asked_for)

@@ -20,7 +20,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Never
 
 import numpy as np
 
@@ -32,7 +32,7 @@ from ..fit.multistart import Trail
 from ..fit.waveforms import WaveformFit
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
-from ..project.options import ForcedOptions, Stated, with_options
+from ..project.options import Stated, options_of, with_options
 from ..records.channel import ABSOLUTE, RELATIVE
 from ..records.mapping import MappingLike
 from ..records.record import Record
@@ -228,13 +228,22 @@ def _loops(found: Result[ForcedBasis], mass: float | None = None) -> list[dict[s
     return loops
 
 
-@with_options(ForcedOptions)
+@with_options
 def identify_forced(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    **options: Unpack[ForcedOptions],
+    mass: Stated | None = None,
+    frequency: float | str | None = None,
+    groups: Mapping[str, Sequence[str] | str] | None = None,
+    contact_to: Literal["ground", "base"] = "ground",
+    fixture_mass: float | str | None = None,
+    skip_cycles: int = 0,
+    laws: bool = False,
+    terms: Sequence[str] | str | None = None,
+    given: Mapping[str, float] | None = None,
+    **unknown: Never,
 ) -> Result[ForcedBasis]:
     """Identify the coefficients of a damping law and K_z from forced records, one for each level of excitation.
 
@@ -247,7 +256,7 @@ def identify_forced(
     uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a
     mapping states. Without, they are conditional on k.
     mapping : what the records do not say of their channels, where they are read here.
-    {options}
+    The options of the signature, which `help` describes.
 
     Names and labels in order (terms, groups) may be a text with commas: terms="F_k,c".
 
@@ -271,7 +280,7 @@ def identify_forced(
     >>> found.verdicts["F_k"].verdict
     'usable'
     """
-    read, of = read_request("forced", records, mapping, {"stiffness": stiffness, **options})
+    read, of = read_request("forced", records, mapping, options_of(locals()))
     return _of_records(read, law_of(of["terms"], of["given"], of["groups"]), of)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Never
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ..findings.finding import Finding
 from ..fit.friction_speed import DEPARTURES, SpeedFit, SteadySpeeds, fit_speeds
 from ..fit.select import Selection
 from ..law.terms import FRICTION
-from ..project.options import SpeedOptions, Stated, with_options
+from ..project.options import Stated, options_of, with_options
 from ..project.wording import listed
 from ..records.channel import OF_FORCE
 from ..records.mapping import MappingLike
@@ -82,13 +82,13 @@ class SpeedBasis:
         return {"speeds": Picture(drawn.speeds, (self.laws.fit,))}
 
 
-@with_options(SpeedOptions)
+@with_options
 def identify_friction_speed(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    **options: Unpack[SpeedOptions],
+    **unknown: Never,
 ) -> Result[SpeedBasis]:
     """Identify F_k and c from a table of mean forces, or torques, at steady speeds in both directions.
 
@@ -107,7 +107,7 @@ def identify_friction_speed(
     table or several of one contact. Reduce samples in time to a mean at each steady speed beforehand.
     stiffness : leave it out: there is no oscillator.
     mapping : what the tables do not say of their columns, where they are read here.
-    {options}
+    The options of the signature, which `help` describes.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a table
     without velocity or force, or with fewer rows than numbers to identify.
@@ -119,7 +119,7 @@ def identify_friction_speed(
     >>> round(found.values["F_k"], 3), round(found.values["c"], 4)  # N m, N m s/rad
     (1.9, 0.0955)
     """
-    read, of = read_request("friction-speed", records, mapping, {"stiffness": stiffness, **options})
+    read, of = read_request("friction-speed", records, mapping, options_of(locals()))
     data, rows, odd = _data(read)
     laws = fit_speeds(data)
     fit = laws.fit

@@ -36,7 +36,8 @@ def loops(
     figure = page(DOUBLE_COLUMN, 122.0 if fit else 96.0)
     axes = place(figure, 22.0, 50.0 if fit else 24.0, 150.0, 66.0)
     for loop in loops:
-        axes.plot(1e3 * loop.x[loop.own], loop.f[loop.own], ".", color="0.6", markersize=1.5)
+        x, f = 1e3 * loop.x[loop.own], loop.f[loop.own]
+        axes.plot(x, f, ".", color="0.6", markersize=1.5, rasterized=True)
     for name in dict.fromkeys(level.name for level in levels):
         for end in ("smallest_displacement", "largest_displacement"):
             own = [level.more for level in levels if level.name == name]
@@ -59,7 +60,7 @@ def loops(
         lowest.set(xlim=axes.get_xlim(), ylabel=f"residual ({of.unit('N')})")
     axes.set_ylabel(f"{of.noun('force')} ({of.unit('N')})")
     lowest.set_xlabel(f"{of.noun('displacement')} ({of.unit('mm')})")
-    return explained(figure, [(axes, axes)], scale=1.0)
+    return explained(figure)
 
 
 def _by_record(axes: Axes, table: pd.DataFrame, x: str, y: str, size: float, look: str) -> None:
@@ -97,7 +98,8 @@ def loss(loops: Sequence[Loop], fit: LoopFit | None, table: pd.DataFrame, of: Co
         axes.set(xlabel=f"amplitude, {of.label('X', 'mm')}", ylabel=label)
         axes.set(xlim=(0.0, None), ylim=(0.0, 1.08 * axes.dataLim.ymax))
         axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
-    return explained(figure, [(axes, axes)], scale=1.0)
+        axes.tick_params(axis="x", pad=5.0)  # clear of the zero along y
+    return explained(figure)
 
 
 @styled()
@@ -112,4 +114,4 @@ def history(table: pd.DataFrame, of: Coordinate) -> Figure:
         axes = place(figure, 22.0, bottom, 150.0, 40.0)
         _by_record(axes, table, "cycle", column, size, "o-")
         axes.set(xlabel="cycle", ylabel=label)
-    return explained(figure, [(axes, axes)], scale=1.0)
+    return explained(figure)

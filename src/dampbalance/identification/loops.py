@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Never
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ..fit.loop_design import MOST_BLOCKS, Design, force_of, slope_of
 from ..fit.loops import DIFFER, SLIDERS, WITHIN, LoopFit, fit_gradual, weigh, with_late_motion
 from ..fit.select import Selection, select
 from ..law.terms import FRICTION
-from ..project.options import LoopOptions, Stated, with_options
+from ..project.options import Stated, options_of, with_options
 from ..project.wording import listed
 from ..records.mapping import MappingLike
 from ..signals.loops import FEWEST_CYCLES, SAME_LEVEL, Loop, levels_of, measures
@@ -271,13 +271,17 @@ def _stiffer(fit: LoopFit, loop: Loop, number: int) -> Array:
     return np.array([1.0 + np.linalg.lstsq(A[own], left[own])[0][0] for own in loop.slices])
 
 
-@with_options(LoopOptions)
+@with_options
 def identify_loops(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    **options: Unpack[LoopOptions],
+    skip_cycles: int = 0,
+    normal_force: Stated | None = None,
+    fixture_stiffness: float | str | None = None,
+    backlash: bool = True,
+    **unknown: Never,
 ) -> Result[LoopBasis]:
     """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement: a record of five
     cycles or more of any periodic motion, or several at other amplitudes and speeds. Of fewer cycles, and whether a
@@ -287,7 +291,7 @@ def identify_loops(
     without times, c is not determined.
     stiffness : leave it out: loops have no oscillator, and a spring in parallel to the contact is identified.
     mapping : what the records do not say of their channels, where they are read here.
-    {options}
+    The options of the signature, which `help` describes.
 
     Records with a channel normal_force each share one μ, and F_k is that at their mean normal force.
 
@@ -304,7 +308,7 @@ def identify_loops(
     >>> round(found.values["F_k"], 3), round(found.values["K_z"], -2)
     (10.0, 50000.0)
     """
-    read, of = read_request("loops", records, mapping, {"stiffness": stiffness, **options})
+    read, of = read_request("loops", records, mapping, options_of(locals()))
     N, backlash = of["normal_force_N"], of["backlash"]
     normal = None if N is None else (N, of["normal_force_standard_error_N"])
     loops, measured, odd = read_loops(read, of["fixture_stiffness_N_per_m"], of["skip_cycles"])

@@ -137,7 +137,7 @@ def cycles(
         _with_residual(axes, below, np.degrees(theta), left, (0.0, 360.0), label)
         for frame in (axes, below):
             frame.set_xticks([0, 90, 180, 270, 360])
-    return explained(figure, panels)
+    return explained(figure, scale=2.0)
 
 
 @styled()
@@ -168,7 +168,7 @@ def friction(
         # long numbers would push the label off the page
         axes.ticklabel_format(axis="y", scilimits=(-2, 4), useMathText=True)
         axes.margins(0.08)
-    return explained(figure, panels)
+    return explained(figure, scale=2.0)
 
 
 @styled()
@@ -217,9 +217,7 @@ def balance(answers: Mapping[str, Answer], two: bool, of: Coordinate) -> Figure:
     largest = max((abs(v) for v in right.get_ylim()), default=1.0)
     if largest > 20.0:
         right.set_yscale("symlog", linthresh=3.0)
-    handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=max(1, len(labels)), borderaxespad=0.3)
-    return figure
+    return explained(figure)
 
 
 @styled()
@@ -253,7 +251,7 @@ def decays(fit: DecayFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) 
             axes.plot(t_turn, x, "o", color=STICK, **rings)
         _with_residual(axes, below, t, residual, (one.start, end), of.label(symbol, unit))
         below.set_xlabel("$t$ (s)", labelpad=1.0)
-    return explained(figure, panels)
+    return explained(figure, scale=2.0)
 
 
 @styled()
@@ -279,9 +277,7 @@ def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
     for axes in (left, right):
         axes.set_xlim(left=0.0)
         axes.set_xlabel(of.label("X", "mm"))
-    if rows[-1].mode > 1:
-        figure.legend(*left.get_legend_handles_labels(), loc="lower center", ncols=3)
-    return figure
+    return explained(figure) if rows[-1].mode > 1 else figure
 
 
 def _with_residual(

@@ -23,6 +23,7 @@ from ..figures.style import (
     INK,
     PAPER_COLOUR,
     follows_the_screen,
+    in_one_column,
     lacking_glyphs,
     save,
     save_svg,
@@ -37,6 +38,7 @@ from ..project.wording import (
     listed,
     number_text,
     percent,
+    plain_text,
     sentence,
     signed_percent,
     visible,
@@ -48,14 +50,13 @@ from .pictures import DPI, draw
 from .screen import (
     answer_in_words,
     answers_table,
-    comparison,
     damping_of,
     interval_of,
+    laws_table,
     measured_caption,
     measured_table,
     named,
     numbers,
-    plain,
     short,
     short_blocks,
     value_of,
@@ -85,14 +86,16 @@ def report(found: Result[Any], folder: Path | None = None) -> str:
         for name, picture in found.pictures.items():
             caption = _caption(found, name)
             svg, png = (Path(folder or unkept, file) for file in pictures_of([name]))
+            narrow = Path(unkept, f"narrow-{svg.name}")
             with lacking_glyphs():
                 drawn = draw(picture, found.coordinate)
                 if folder is None:
                     save_svg(drawn, svg, caption, DPI)
                 else:
                     save(drawn, svg, png, caption, DPI)
-            text = svg.read_text(encoding="utf-8")
-            pictures.append((text, caption, caption))
+                save_svg(in_one_column(drawn), narrow, caption, DPI)
+            texts = (file.read_text(encoding="utf-8") for file in (svg, narrow))
+            pictures.append((*texts, caption, caption))
     files = [record.files or {} for record in found.records] or [{}] * len(found.sources)
     of, effects = found.sensitivities()
     return _page(
@@ -135,10 +138,6 @@ _NAMES = {
     "f_n": "natural frequency",
     "zeta": "damping ratio",
 }
-
-
-def _comparison(found: Result[Any], width: int | None) -> list[str]:
-    return plain(comparison(found), width).splitlines()
 
 
 def _known(value: float | None) -> float:
@@ -236,7 +235,7 @@ _TEMPLATES = jinja2.Environment(
     keep_trailing_newline=True,
 )
 _TEMPLATES.filters |= {
-    **{of.__name__: of for of in (phrase, rich, sentence, short, visible)},
+    **{of.__name__: of for of in (phrase, plain_text, rich, sentence, short, visible)},
     "base64": lambda svg: base64.b64encode(follows_the_screen(svg).encode()).decode(),
     "names": _names,
     "value": value_of,
@@ -248,7 +247,7 @@ _TEMPLATES.filters |= {
     "change": lambda share: signed_percent(0.01 * round(100.0 * _known(share), 3)),
     "setting": _setting,
 }
-_TABLES = (answers_table, measured_caption, measured_table, numbers, _comparison)
+_TABLES = (answers_table, laws_table, measured_caption, measured_table, numbers)
 _WORDS = (answer_in_words, dotted, named, told, _explained, _first_check, _kind, _why)
 _FUNCTIONS = (*_TABLES, *_WORDS, _rig)
 _TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {"FAULTS": FAULTS}

@@ -327,6 +327,10 @@ class Result(Generic[B]):
             for of in numbers(self)
         ).set_index("symbol")
 
+    def __dir__(self) -> list[str]:
+        """Return the names to complete, without those from which screen, report and files are made."""
+        return sorted({*super().__dir__()} - _MADE_FROM)
+
     def __repr__(self) -> str:
         """Return the screen."""
         return self.screen().rstrip("\n")
@@ -406,6 +410,13 @@ class Result(Generic[B]):
         from .saving import save  # slow to import
 
         return save(self, folder, figures=figures, overwrite=overwrite)
+
+
+_MADE_FROM = {
+    *("basis", "check", "estimates", "head", "hint", "level_documents", "limits", "odd"),
+    *("pictures", "reference", "rig", "settings", "shifts", "unanswered", "weighed"),
+}
+"""Names of a result for the modules that show or write it."""
 
 
 def _worth(answer: Answer) -> tuple[float, ...]:

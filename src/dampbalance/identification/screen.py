@@ -409,12 +409,11 @@ def weights(found: Result[Any]) -> list[tuple[str, ...]]:
     return [("model with", "weight", "size ± standard error (SI)"), *lines]
 
 
-def comparison(found: Result[Any], most: int | None = None) -> list[Block]:
-    """Return what follows from a comparison of laws, and a line for each law with its weight.   most : of them, the
-    heaviest; default, all."""
-    if found.laws is None:
-        return []
-    lines, laws = [("law", "weight", "coefficients ± standard error")], found.laws.laws
+def laws_table(found: Result[Any], most: int | None = None) -> list[tuple[str, ...]]:
+    """Return each law of a comparison with its weight and coefficients, a line each below a line of heads.   most : of
+    them, the heaviest; default, all."""
+    laws = found.laws.laws if found.laws else ()
+    lines: list[tuple[str, ...]] = [("law", "weight", "coefficients ± standard error")]
     for one in laws[:most]:
         values = ", ".join(
             f"{found.coordinate.symbol(key)} = {number_text(value, 5)} ± {number_text(error, 2)}"
@@ -424,7 +423,14 @@ def comparison(found: Result[Any], most: int | None = None) -> list[Block]:
         lines.append((law, f"{one.weight:.2g}", values))
     if left := len(laws[most:]) if most else 0:
         lines.append((f"{left} others", f"{math.fsum(of.weight for of in laws[most:]):.2g}", ""))
-    return [Block(found.in_sentences(found.laws.findings), table=lines)]
+    return lines
+
+
+def comparison(found: Result[Any], most: int | None = None) -> list[Block]:
+    """Return what follows from a comparison of laws, and the table of them."""
+    if found.laws is None:
+        return []
+    return [Block(found.in_sentences(found.laws.findings), table=laws_table(found, most))]
 
 
 def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[Finding]:

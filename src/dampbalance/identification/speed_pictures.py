@@ -42,4 +42,4 @@ def speeds(fit: SpeedFit, of: Coordinate) -> Figure:
         lower.set_xlabel(f"size of the {speed}" if folded else speed)
         for one in (axes, lower) if folded else ():
             one.set_xscale("log")
-    return explained(figure, [(axes, axes)], scale=1.0)
+    return explained(figure)

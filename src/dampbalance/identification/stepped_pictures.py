@@ -58,7 +58,7 @@ def distribution(fits: Mapping[str, ContactFit], coordinate: Coordinate) -> Figu
     label = coordinate.label(r"\kappa", "N/mm")
     axes.set_ylabel(f"stiffness {label}")
     axes.set_ylim(bottom=0.0)
-    return explained(figure, [(axes, axes)], scale=1.0)
+    return explained(figure)
 
 
 def _against_amplitude(
@@ -88,4 +88,4 @@ def _against_amplitude(
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
-    return explained(figure, [(axes, axes)], scale=1.0)
+    return explained(figure)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, Unpack
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Never
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from ..fit.select import CLEAR, select
 from ..fit.stiffness_lines import Contact, StiffnessLines
 from ..law.law import Law, law_of
 from ..law.terms import FRICTION, term
-from ..project.options import Stated, SteppedSineOptions, with_options
+from ..project.options import Stated, options_of, with_options
 from ..project.spelling import spelled
 from ..project.wording import listed
 from ..records.mapping import MappingLike
@@ -180,13 +180,19 @@ def damping_at(found: Result[SteppedBasis], X: ArrayLike, frequency_hz: ArrayLik
     return pd.DataFrame({"X_m": X, **columns})
 
 
-@with_options(SteppedSineOptions)
+@with_options
 def identify_joint(
     records: RecordLike | Sequence[RecordLike],
     stiffness: Stated | None = None,
     *,
     mapping: MappingLike = None,
-    **options: Unpack[SteppedSineOptions],
+    mass: Stated | None = None,
+    terms: Sequence[str] | str | None = None,
+    given: Mapping[str, float] | None = None,
+    contact: Literal["both", "one slider", "gradual"] = "both",
+    hardening: bool = True,
+    residual: bool = False,
+    **unknown: Never,
 ) -> Result[SteppedBasis]:
     """Identify the contact and the damping of a joint from tables of a stepped sine: a line for each steady response,
     with its frequency, amplitudes and phase, at two levels of excitation at least, in one table or several.
@@ -194,7 +200,7 @@ def identify_joint(
     records : as `read_records` returns or takes them.
     stiffness : k of the spring, N/m, as for `identify_forced`; tables of responses to a force do without.
     mapping : what the tables do not say of their columns, where they are read here.
-    {options}
+    The options of the signature, which `help` describes.
 
     Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
     that is outside its range, records that are no such tables, fewer than two levels, lines that do not determine the
@@ -217,10 +223,8 @@ def identify_joint(
     >>> {symbol: f"{value:.3g}" for symbol, value in found.values.items()}
     {'F_k': '1.29', 'c': '9', 'K_z': '2.31e+03'}
     """
-    given = {"stiffness": stiffness, **options}
-    read, of = read_request(
-        "stepped-sine", records, mapping, given, partial(read_lines, stated=True)
-    )
+    options, reader = options_of(locals()), partial(read_lines, stated=True)
+    read, of = read_request("stepped-sine", records, mapping, options, reader)
     law, contact = law_of(of["terms"], of["given"], None), of["contact"]
     tables = [record for record in read if isinstance(record, SteppedRecord)]
     if FRICTION in law.given:
@@ -249,9 +253,9 @@ def identify_joint(
     tested = all(of.by_force for of in tables)
     k_error = of["stiffness_standard_error_N_per_m"] or 0.0 if tested else math.inf
     check, *implied = [*([_supported(compared)] if compared else []), *_rig(first, lines)]
-    unknown = {FRICTION: math.inf, "K_z": math.inf}
+    unbounded = {FRICTION: math.inf, "K_z": math.inf}
     unsure = compared is None and len(contacts) > 1
-    uncompared = [Finding("two levels", effect=unknown)] if unsure else []
+    uncompared = [Finding("two levels", effect=unbounded)] if unsure else []
     found = Result(
         basis=SteppedBasis(lines, table_of, fits, compared),
         k=first.value("k"),

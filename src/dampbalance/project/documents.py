@@ -5,7 +5,6 @@ Every error is one line: file, line, key, what is wrong, and what would be right
 
 from __future__ import annotations
 
-import difflib
 import functools
 import math
 import re
@@ -23,7 +22,7 @@ from ruamel.yaml.nodes import Node
 from ruamel.yaml.reader import ReaderError
 
 from ..law.terms import KNOWN_TERMS
-from .wording import cut, shortened
+from .wording import cut, did_you_mean, shortened
 
 KeyPath = tuple[str | int, ...]
 Problem = tuple[KeyPath, str]  # a key, its fault and the remedy
@@ -156,7 +155,8 @@ def against_schema(
     validator = _validator(schema, list(approaches))
     errors = sorted(validator.iter_errors(document), key=lambda error: list(map(str, error.path)))
     impossible = list(_impossible(document))
-    problems = [problem for error in errors for problem in _explain(error)]
+    # each of several keys that are missing is an error for all of them
+    problems = dict.fromkeys(problem for error in errors for problem in _explain(error))
     keys = {key for key, _ in impossible}
     return [problem for problem in problems if problem[0] not in keys] + impossible
 
@@ -171,7 +171,7 @@ def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
     def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:
         names = (list(KNOWN_TERMS) if kind == "term" else approaches) + node.get("also", [])
         if value not in names:
-            words = f"{'an' if kind == 'approach' else 'a'} {kind}{_nearest(value, names)}"
+            words = f"{'an' if kind == 'approach' else 'a'} {kind}{did_you_mean(value, names)}"
             yield ValidationError(f"{shortened(value)} is not {words}; known: {', '.join(names)}")
 
     def pattern(_: Any, wanted: str, value: Any, __: Any) -> Iterable[ValidationError]:
@@ -213,7 +213,7 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
         keys = list(schema["properties"])
         for name in value:
             if name not in keys:
-                text = f"unknown key{_nearest(name, keys)}; known here: {', '.join(keys)}"
+                text = f"unknown key{did_you_mean(name, keys)}; known here: {', '.join(keys)}"
                 yield (*key, str(name)), text
     elif error.validator == "required":
         for name in wanted:
@@ -228,11 +228,6 @@ def _explain(error: ValidationError) -> Iterable[Problem]:
         yield key, f"{shortened(value)} cannot be a name. {meaning or _NAMES}"
     else:
         yield key, f"{shortened(value)} is not allowed. {meaning}"
-
-
-def _nearest(name: object, keys: list[str]) -> str:
-    matches = difflib.get_close_matches(cut(str(name), _KEY), keys, n=1)
-    return f" (did you mean {matches[0]}?)" if matches else ""
 
 
 def _of_numbers(wanted: str | list[str]) -> bool:

@@ -1,32 +1,28 @@
 """The options of an identification: one table, a row for each option.
 
-Signatures and their documentation, `dampbalance identify --help`, the keys of a configured set of records with their
+The documentation of signatures, `dampbalance identify --help`, the keys of a configured set of records with their
 schema, the refusal of an option that does not apply to a kind of records, and the `options` of a document come from it.
 
-The rows of a class belong to the same kinds of records. A type checker reads the classes as the keyword arguments of
-the functions that identify; `OPTIONS` is what they say at run time.
+The functions that identify write their options out in their signatures, where editors, type checkers and `help` find
+them: `tests/identification/test_identified.py` compares names, types and defaults with the table.
 """
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias, TypedDict, TypeVar, get_args, get_type_hints
+from typing import Any, Literal, TypeAlias, TypeVar, get_args
 
 from ..arguments import NUMBERS, Bounds, shown
 from ..law.terms import KNOWN_TERMS
-from .wording import listed
+from .wording import did_you_mean, listed
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 Stated: TypeAlias = float | tuple[float, float] | str
 """A number in SI, alone or with its standard uncertainty, 2310.0 or (2310.0, 10.0), or a text: "2.31 ± 0.01 N/mm"."""
-Held: TypeAlias = Literal["ground", "base"]
-"""Either end of a rig that holds the other side of a contact."""
-Contacts: TypeAlias = Literal["both", "one slider", "gradual"]
-"""Contacts that can be asked for."""
 Names: TypeAlias = Sequence[str] | str | None
 Coefficients: TypeAlias = Mapping[str, float] | None
 Groups: TypeAlias = Mapping[str, Sequence[str] | str] | None
@@ -42,18 +38,20 @@ _FORMS = {
 class Option:
     """A row of the table.
 
-    words : what the option is.   default : that of the function.   bounds : of a number.
+    name, kinds : its name, and the kinds of records that take it.
+    type, default : of the argument.
+    words : what the option is.
+    bounds : of a number.
     uncertainty : relative standard uncertainty of a number that states none.
-    name, type, kinds : its name, the type of its value, and the kinds of records that take it.
     """
 
+    name: str
+    kinds: Sequence[str]
+    type: Any
+    default: Any
     words: str
-    default: Any = None
     bounds: Bounds | None = None
     uncertainty: float = 0.0
-    name: str = ""
-    type: Any = None
-    kinds: tuple[str, ...] = ()
 
     @property
     def form(self) -> str:
@@ -84,104 +82,6 @@ class Option:
         return f"is for {kinds}, and these are {IN_WORDS[kind]}: leave it out"
 
 
-# fmt: off
-class _OfRecords(TypedDict, total=False):
-    mapping: Annotated[str | Path | None, Option(
-        "file or folder that names the channels of the records; default, the file next to each")]
-
-
-class _OfSpring(TypedDict, total=False):
-    stiffness: Annotated[Stated | None, Option(
-        "stiffness k of the spring (N m/rad of a rotation); it scales F_k and c", None, NUMBERS["k"])]
-
-
-class _OfOscillator(TypedDict, total=False):
-    # fixture, driver and half of the springs move along and are seldom weighed: 0.5 %
-    mass: Annotated[Stated | None, Option(
-        "mass m (kg m² of a rotation): tests stiffness and gains, sharpens K_z, or gives the stiffness where that is "
-        "left out; unless stated, its standard uncertainty is 0.5 %, however many digits it has",
-        None, NUMBERS["m"], 0.005)]
-
-
-class _OfForced(TypedDict, total=False):
-    frequency: Annotated[float | str | None, Option(
-        "known drive frequency; compared with that of each record", None, NUMBERS["frequency"])]
-    groups: Annotated[Groups, Option(
-        "terms with a coefficient for each group of records: a label per record, as A, A, B for F_k")]
-    contact_to: Annotated[Held, Option(
-        "what holds the friction contact; base for a mount, whose spring, damper and friction all sit on the table "
-        "and whose mass is given", "ground")]
-    fixture_mass: Annotated[float | str | None, Option(
-        "mass between a load cell and the vibrating mass", None, NUMBERS["m"])]
-
-
-class _OfForcedOrLoops(TypedDict, total=False):
-    skip_cycles: Annotated[int, Option(
-        "cycles left out at the start of each record, where the motion has not settled", 0, Bounds("", 0, 1_000_000))]
-
-
-class _OfDecays(TypedDict, total=False):
-    pendulum: Annotated[bool, Option(
-        "whether the record is the angle of a pendulum, whose restoring torque is k sin θ with k = m g L; where it is "
-        "not said, that is tried if a spring does not explain the decays", False)]
-
-
-class _OfForcedOrDecays(TypedDict, total=False):
-    laws: Annotated[bool, Option(
-        "whether to weigh the laws of one or two terms, with and without friction, and name the one that the records "
-        "support", False)]
-
-
-class _OfForcedOrSteppedSine(TypedDict, total=False):
-    terms: Annotated[Names, Option(
-        "terms of the damping law, friction among them; default, F_k, c and those given; known: "
-        f"{', '.join(KNOWN_TERMS)}")]
-    given: Annotated[Coefficients, Option("known coefficients of terms, SI, as 0.669 for c")]
-
-
-class _OfSteppedSine(TypedDict, total=False):
-    contact: Annotated[Contacts, Option(
-        "one slider, that of the paper, gradual for many that slip one after the other, as in a bolted joint, or both, "
-        "of which the lines choose", "both")]
-    hardening: Annotated[bool, Option("whether the spring may stiffen with the amplitude", True)]
-    residual: Annotated[bool, Option("whether other modes of a structure may move the driven point, too", False)]
-
-
-class _OfLoops(TypedDict, total=False):
-    normal_force: Annotated[Stated | None, Option(
-        "normal force, for the friction coefficient μ = F_k/N, where no channel has it", None, Bounds("N"))]
-    fixture_stiffness: Annotated[float | str | None, Option(
-        "stiffness of a fixture in series whose deflection is also measured", None, NUMBERS["k"])]
-    backlash: Annotated[bool, Option("whether a dead band in the fixture is looked for, and named", True)]
-# fmt: on
-
-
-class ForcedOptions(
-    _OfOscillator, _OfForced, _OfForcedOrLoops, _OfForcedOrDecays, _OfForcedOrSteppedSine
-):
-    """Options of `identify_forced`."""
-
-
-class DecayOptions(_OfOscillator, _OfDecays, _OfForcedOrDecays):
-    """Options of `identify_decays`."""
-
-
-class SteppedSineOptions(_OfOscillator, _OfForcedOrSteppedSine, _OfSteppedSine):
-    """Options of `identify_joint`."""
-
-
-class LoopOptions(_OfForcedOrLoops, _OfLoops):
-    """Options of `identify_loops`."""
-
-
-class SpeedOptions(TypedDict, total=False):
-    """Options of `identify_friction_speed`."""
-
-
-class AnyOptions(ForcedOptions, _OfDecays, _OfSteppedSine, _OfLoops):
-    """Options of `identify`."""
-
-
 IN_WORDS = {
     "forced": "forced records",
     "ring-down": "free decays",
@@ -194,31 +94,63 @@ IN_WORDS = {
 IN_TIME = "forced", "ring-down"
 """Kinds of records in time, of an oscillator whose stiffness or mass is given."""
 
-_TAKEN: dict[str, tuple[type, ...]] = {
-    "forced": (_OfRecords, _OfSpring, ForcedOptions),
-    "ring-down": (_OfRecords, _OfSpring, DecayOptions),
-    "stepped-sine": (_OfRecords, _OfSpring, SteppedSineOptions),
-    "loops": (_OfRecords, LoopOptions),
-    "friction-speed": (_OfRecords, SpeedOptions),
-}
-"""Kind of records → the rows that apply."""
+_FORCED, _DECAYS, _SINE, _LOOPS, _SPEEDS = ((kind,) for kind in IN_WORDS)
+_OF_OSCILLATOR = _FORCED + _DECAYS + _SINE
 
+# fmt: off
+_ROWS = (
+    Option("mapping", tuple(IN_WORDS), str | Path | None, None,
+        "file or folder that names the channels of the records; default, the file next to each"),
+    Option("stiffness", _OF_OSCILLATOR, Stated | None, None,
+        "stiffness k of the spring (N m/rad of a rotation); it scales F_k and c", NUMBERS["k"]),
+    # fixture, driver and half of the springs move along and are seldom weighed: 0.5 %
+    Option("mass", _OF_OSCILLATOR, Stated | None, None,
+        "mass m (kg m² of a rotation): tests stiffness and gains, sharpens K_z, or gives the stiffness where that is "
+        "left out; unless stated, its standard uncertainty is 0.5 %, however many digits it has",
+        NUMBERS["m"], 0.005),
+    Option("frequency", _FORCED, float | str | None, None,
+        "known drive frequency; compared with that of each record", NUMBERS["frequency"]),
+    Option("groups", _FORCED, Groups, None,
+        "terms with a coefficient for each group of records: a label per record, as A, A, B for F_k"),
+    Option("contact_to", _FORCED, Literal["ground", "base"], "ground",
+        "what holds the friction contact; base for a mount, whose spring, damper and friction all sit on the table "
+        "and whose mass is given"),
+    Option("fixture_mass", _FORCED, float | str | None, None,
+        "mass between a load cell and the vibrating mass", NUMBERS["m"]),
+    Option("skip_cycles", _FORCED + _LOOPS, int, 0,
+        "cycles left out at the start of each record, where the motion has not settled", Bounds("", 0, 1_000_000)),
+    Option("laws", _FORCED + _DECAYS, bool, False,
+        "whether to weigh the laws of one or two terms, with and without friction, and name the one that the records "
+        "support"),
+    Option("terms", _FORCED + _SINE, Names, None,
+        "terms of the damping law, friction among them; default, F_k, c and those given; known: "
+        f"{', '.join(KNOWN_TERMS)}"),
+    Option("given", _FORCED + _SINE, Coefficients, None, "known coefficients of terms, SI, as 0.669 for c"),
+    Option("pendulum", _DECAYS, bool, False,
+        "whether the record is the angle of a pendulum, whose restoring torque is k sin θ with k = m g L; where it is "
+        "not said, that is tried if a spring does not explain the decays"),
+    Option("contact", _SINE, Literal["both", "one slider", "gradual"], "both",
+        "one slider, that of the paper, gradual for many that slip one after the other, as in a bolted joint, or both, "
+        "of which the lines choose"),
+    Option("hardening", _SINE, bool, True, "whether the spring may stiffen with the amplitude"),
+    Option("residual", _SINE, bool, False, "whether other modes of a structure may move the driven point, too"),
+    Option("normal_force", _LOOPS, Stated | None, None,
+        "normal force, for the friction coefficient μ = F_k/N, where no channel has it", Bounds("N")),
+    Option("fixture_stiffness", _LOOPS, float | str | None, None,
+        "stiffness of a fixture in series whose deflection is also measured", NUMBERS["k"]),
+    Option("backlash", _LOOPS, bool, True, "whether a dead band in the fixture is looked for, and named"),
+)
+# fmt: on
 
-def _options() -> dict[str, Option]:
-    """Return the rows of the table, each with its name, type and kinds, by name."""
-    options: dict[str, Option] = {}
-    for rows in (_OfRecords, _OfSpring, AnyOptions):
-        for name, hint in get_type_hints(rows, include_extras=True).items():
-            of_type, option = get_args(hint)
-            kinds = [
-                k for k, of in _TAKEN.items() if any(name in each.__annotations__ for each in of)
-            ]
-            options[name] = replace(option, name=name, type=of_type, kinds=tuple(kinds))
-    return options
-
-
-OPTIONS = _options()
+OPTIONS = {of.name: of for of in _ROWS}
 """Name of an option → its row."""
+
+
+def options_of(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options among the arguments of a function that identifies, `locals()` before any other name is there,
+    and what it was given besides as `unknown`."""
+    named = {name: value for name, value in arguments.items() if name in OPTIONS}
+    return {**named, **arguments["unknown"]}
 
 
 def asked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
@@ -231,7 +163,8 @@ def asked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
     given = {}
     for name, value in options.items():
         if name not in OPTIONS:
-            raise TypeError(f"an identification got an unexpected keyword argument {name!r}")
+            near = did_you_mean(name, [*OPTIONS, "kind"])
+            raise TypeError(f"an identification got an unexpected keyword argument {name!r}{near}")
         default = OPTIONS[name].default
         if value is not default and not (type(value) is type(default) and value == default):
             if kind in IN_WORDS and (words := OPTIONS[name].misplaced(kind)):
@@ -241,24 +174,24 @@ def asked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
     return given
 
 
-def with_options(rows: type) -> Callable[[Function], Function]:
-    """Return a decorator of a function that takes the options of a class as `**options`: its signature names them,
-    and its docstring has a line for each in place of {options}."""
-    options = [OPTIONS[name] for name in rows.__annotations__]
-    lines = [f"{of.name} : {', '.join(filter(None, (of.unit, of.words)))}." for of in options]
+_DESCRIBED = "The options of the signature, which `help` describes."
+"""Sentence of a docstring in whose place the options are described, so that each text stands in the table alone."""
 
-    def decorated(function: Function) -> Function:
-        signature = inspect.signature(function)
-        *parameters, rest = signature.parameters.values()
-        for of in options:
-            own = inspect.Parameter(of.name, rest.KEYWORD_ONLY, default=of.default)
-            parameters.append(own.replace(annotation=of.type))
-        function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-        if function.__doc__:
-            function.__doc__ = function.__doc__.replace("{options}", "\n    ".join(lines))
-        return function
 
-    return decorated
+def with_options(function: Function) -> Function:
+    """Decorate a function that identifies: its docstring has a line for each option that its signature adds."""
+    own = [OPTIONS[n] for n in inspect.signature(function).parameters if n in OPTIONS]
+    lines = [
+        f"{of.name} : {', '.join(filter(None, (of.unit, of.words)))}."
+        for of in own
+        if of.name not in ("stiffness", "mapping")  # which the docstring itself describes
+    ]
+    lines.append(
+        "unknown : no other; a misspelt one raises TypeError with the name that was meant."
+    )
+    words = function.__doc__ or ""  # none under python -OO
+    function.__doc__ = words.replace(_DESCRIBED, "\n    ".join(lines))
+    return function
 
 
 # --- a set of records in a configuration ----------------------------------------------------------

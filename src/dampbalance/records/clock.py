@@ -345,10 +345,8 @@ def _apart(t: Array) -> Array:
     if first.size == t.size:
         return t
     size = np.diff(first).max()
-    at, of = (
-        np.append(first, first[-1] + size),
-        np.append(t[first], 2.0 * t[first[-1]] - t[first[-2]]),
-    )
+    at = np.append(first, first[-1] + size)
+    of = np.append(t[first], 2.0 * t[first[-1]] - t[first[-2]])
     return np.interp(np.arange(t.size), at, of)
 
 

@@ -4,6 +4,7 @@ write: what `--write-mapping` writes and a refusal shows."""
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterator
 
@@ -16,7 +17,7 @@ from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses
 from .headings import STANDARD_ERROR, of_level, unit_of
 from .mapping import BLANK
 from .stepped_tables import is_response
-from .units import DIMENSIONS, PER_FORCE, SI, TABLE_DIMENSIONS, find_motion, find_other, find_unit
+from .units import DIMENSIONS, PER_FORCE, TABLE_DIMENSIONS, find_motion, find_other, find_unit
 from .untimed import is_loop, of_speeds
 
 # words that YAML takes for others
@@ -57,7 +58,9 @@ def draft(of: Guesses) -> Iterator[str]:
         yield f"  {name}: {{channel: {_which(of, i)}{stated}}}  # {of.all[i].reason}{remark}"
     for i in asked:
         which, may = _which(of, i), of.all[i].may
-        stated, remark = _in_unit(of, i, may[0])
+        unit = find_motion(unit_of(of.channels[i]) or "")
+        fits = (q for q in may if unit and not of.stepped and DIMENSIONS[q] == unit.counterpart)
+        stated, remark = _in_unit(of, i, next(fits, may[0]))
         key = json.dumps(f"what is {which.strip(chr(34))}{BLANK}", ensure_ascii=False)
         words = f"{listed(may, 'or')}, or leave the line out; {of.all[i].reason}{remark}"
         yield f"  {key}: {{channel: {which}{stated}}}  # {words}"
@@ -74,7 +77,7 @@ def draft(of: Guesses) -> Iterator[str]:
     aside = [
         f"# left aside: {of.names[i]}: {guess.reason}"
         for i, guess in of.all.items()
-        if not (guess.quantity or guess.may) and of.keys[i] not in read
+        if not (guess.quantity or guess.may or i in of.empty) and of.keys[i] not in read
     ]
     yield from aside[:LISTED]
     if len(aside) > LISTED:
@@ -83,23 +86,29 @@ def draft(of: Guesses) -> Iterator[str]:
 
 def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
     """Return the unit and scale of a column in the mapping, and a remark on them."""
-    text = of.all[i].unit or unit_of(of.channels[i], table=of.stepped) or ""
+    raw = of.channels[i]
+    text = of.all[i].unit or unit_of(raw, table=of.stepped) or ""
     own, dimension = find_motion(text), DIMENSIONS.get(quantity)
+    size = np.format_float_positional(raw.scale, 12, fractional=False, trim="0")
+    size = f'"{BLANK}"' if math.isnan(raw.scale) else size
+    scale, remark = f", scale: {size}" * (raw.scale != 1.0), f"; {raw.described}".rstrip("; ")
     if of.stepped:
         own, dimension = find_unit(text), TABLE_DIMENSIONS[quantity]
     if not dimension:  # a level
         return "", ""
     if own and dimension in (own.dimension, own.counterpart):
-        return f", unit: {own.name}", "; the file has no unit" * (of.all[i].said is not None)
+        unsaid = "; the file has no unit" * (of.all[i].said is not None)
+        return f", unit: {own.name}{scale}", remark + unsaid
     if text and quantity in PER_FORCE:
         return f", unit: {text}", ""
     if find_other(text):
-        si = SI[dimension]
-        return f', unit: {si}, scale: "{BLANK}"', f"; recorded in {text}: {si} per {text}"
+        what = f"; recorded in {text}: state a unit, and how much of it 1 {text} is"
+        return f', unit: "{BLANK}", scale: "{BLANK}"', what
     if quantity == "phase" and not text and (values := of.values[i]).size:
         unit = "rad" if np.nanmax(np.abs(values)) <= ANGLE else "deg"
         return f", unit: {unit}", "; by its size, the file has no unit"
-    return f', unit: "{BLANK}"', f"; recorded in {text}" if text else "; the file has no unit"
+    remark += f"; recorded in {text}" if text else "; the file has no unit"
+    return f', unit: "{BLANK}"{scale}', remark
 
 
 def _time(of: Guesses, untimed: bool) -> Iterator[str]:

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -24,7 +26,6 @@ from .channel import ABSOLUTE, ACCOMPANYING, EXCITATIONS, ORDERS, RESPONSES
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
-    AXES,
     TURNING,
     WORDS,
     axis_of,
@@ -52,11 +53,13 @@ from .units import (
     find_motion,
     find_other,
     find_unit,
+    split_label,
 )
 from .untimed import OF_LOOP, of_speeds
 
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
+_UNNAMED = re.compile(r"(unnamed: \d+)?", re.IGNORECASE)  # by pandas
 _OF_SENSOR = ("a", "gf")  # before the axes of an accelerometer: ax, gFx
 ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
 _STEPS, _LONGEST = (5e-6, 0.2), 3600.0  # s, of times without a unit; their span
@@ -83,7 +86,7 @@ class Guess:
 
     quantity : of `QUANTITIES` or `TABLE_DIMENSIONS`; "" for nothing that is read.   reason : what says so, in words.
     unit : as it is read; "" where nothing tells it.   may : what it may hold, where that is asked for.
-    said : what the reader is told of it.
+    said : what the reader is told of it.   axis : whether it is one of the axes of a sensor.
     """
 
     quantity: str
@@ -91,6 +94,7 @@ class Guess:
     unit: str = ""
     may: tuple[str, ...] = ()
     said: Finding | None = None
+    axis: bool = False
 
 
 def first_of(names: Sequence[str]) -> str:
@@ -102,8 +106,8 @@ def first_of(names: Sequence[str]) -> str:
 class Guesses:
     """The guesses for the columns of a table.
 
-    keys : names of the columns, to compare.   overview : of them, for messages.   where : the file of the mapping, or
-    the one to write.   stepped : whether it is a table of steady responses to a stepped sine.
+    keys : names of the columns, to compare.   where : the file of the mapping, or the one to write.
+    stepped : whether it is a table of steady responses to a stepped sine.
     """
 
     def __init__(
@@ -116,27 +120,36 @@ class Guesses:
         if self.stepped:
             self.keys = [without_number(key) for key in self.keys]
         self.names = [shortened(full_name(raw)) for raw in self.channels]
-        self.overview = first_of([f"{i} {name}" for i, name in enumerate(self.names, 1)]) or "none"
+
+    @cached_property
+    def empty(self) -> set[int]:
+        """The columns that nobody need hear of, as a delimiter behind each row makes them: no name, no values."""
+        unnamed = [i for i, raw in enumerate(self.channels) if _UNNAMED.fullmatch(raw.label)]
+        held = self.values if unnamed else {}
+        return {i for i in unnamed if held[i].size and not np.isfinite(held[i]).any()}
+
+    @property
+    def overview(self) -> str:
+        """The columns, for messages."""
+        named = (f"{i + 1} {name}" for i, name in enumerate(self.names) if i not in self.empty)
+        return first_of([*named]) or "none"
 
     # --- what is known of each column ------------------------------------------------------------------------------
 
     @cached_property
     def values(self) -> dict[int, Array]:
-        """The samples of each column, none of one that cannot be read: needed where names do not suffice."""
-        everything = range(len(self.channels))
+        """The samples of each column in the unit of its signal, none of one that cannot be read: needed where names do
+        not suffice."""
+        everything, held = range(len(self.channels)), dict[int, Array]()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
-            try:
-                return self.file.columns(everything)
-            except RecordError:
-                held = dict.fromkeys(everything, np.empty(0))
             # a text in some column: 20 are read one by one
-            for i in everything[:20]:
-                try:
-                    held |= self.file.columns([i])
-                except RecordError:
-                    continue
-            return held
+            for some in (everything, *([i] for i in everything[:20])):
+                with suppress(RecordError):
+                    held |= self.file.columns([i for i in some if i not in held])
+        scales = {i: self.channels[i].scale for i in held if self.channels[i].scale > 0.0}
+        held |= {i: scale * held[i] for i, scale in scales.items() if scale != 1.0}
+        return {i: held.get(i, np.empty(0)) for i in everything}
 
     @cached_property
     def times(self) -> list[int]:
@@ -196,7 +209,8 @@ class Guesses:
             raise RecordError(f"{at} there is no channel {which}; {remedy}")
         if isinstance(which, int):
             return [which - 1]
-        names = [(raw.name, full_name(raw), raw.label or raw.name) for raw in self.channels]
+        labels = [(raw, raw.label or raw.name) for raw in self.channels]
+        names = [(raw.name, full_name(raw), of, split_label(of)[0]) for raw, of in labels]
         spellings = (str, without_number, of_level) if self.stepped else (str, key_of)
         for spelt in spellings:  # verbatim, else without regard to case, blanks and path
             found = [i for i, own in enumerate(names) if spelt(which) in map(spelt, own)]
@@ -223,7 +237,7 @@ class Guesses:
         found: dict[int, Guess] = {}
         for (before, behind, unit), group in groups.items():
             own, held = [*group.values()], [self.values[i] for i in group.values()]
-            named = by_unit(self.channels[own[0]]) or quantity_of(self.channels[own[0]])
+            named = quantity_of(self.channels[own[0]]) or by_unit(self.channels[own[0]])
             named = named or "acceleration" * (len(own) == 3 and before in _OF_SENSOR)
             if not named or len(own) < 2 or not all(of.size for of in held):
                 continue
@@ -232,23 +246,18 @@ class Guesses:
             if len(own) == 2 and not (before + behind and self._dies(own[most])):
                 continue  # x and y in mm are the mass and the base
             other = f"an axis that moves less than {shortened(self.channels[own[most]].name)}"
-            found |= dict.fromkeys(own, Guess("", other))
+            found |= dict.fromkeys(own, Guess("", other, axis=True))
             raw = self.channels[own[most]]
             along = samples.along(held[most], held)
-            found[own[most]] = Guess(named, _BY_NAME)
+            found[own[most]] = Guess(named, _BY_NAME, axis=True)
             if along > 1.0 + _SAME:
                 oblique = f"the motion is {along:.3g} times as large, along no axis: say scale: {along:.3g}"
                 found[own[most]] = Guess("", oblique, may=(named,))
             total = np.sqrt(np.sum(np.square(held), axis=0))
             for i, raw in enumerate(self.channels):
                 of = self.values[i] if raw.unit == unit and i not in own else np.empty(0)
-                near = of.size == total.size and np.allclose(
-                    # relative, of the absolute value of three axes
-                    of,
-                    total,
-                    rtol=1e-3,
-                    equal_nan=True,
-                )
+                # 1e-3: relative, of the absolute value of three axes
+                near = of.size == total.size and np.allclose(of, total, rtol=1e-3, equal_nan=True)
                 if near or (of.size and self._words(i) & {*_OF_AXES.split()}):
                     found[i] = Guess("", "the absolute value of several axes")
         return found
@@ -295,12 +304,6 @@ class Guesses:
             return Guess("", other)
         whole, part = quantity_of(raw), quantity_of(raw, all_words=False)
         named = whole or part or ""
-        if (
-            unit in ABSOLUTE
-            and self._words(i) <= AXES
-            and DIMENSIONS[unit] != DIMENSIONS.get(named)
-        ):
-            return Guess(unit, BY_UNIT)  # along x, y or z
         if named and unit and DIMENSIONS[unit] != DIMENSIONS[named]:
             return Guess("", f"its name says {named}, its unit {unit}", may=(unit,))
         if named:
@@ -441,12 +444,8 @@ class Guesses:
 
     def _far(self, first: int, other: int) -> bool:
         """Return whether a column that moves as another goes farther, or less far, than it does."""
-        units = [find_motion(unit_of(self.channels[i]) or "") for i in (first, other)]
-        sizes = [
-            of.factor * np.nanstd(self.values[i])
-            for i, of in zip((first, other), units, strict=True)
-            if of
-        ]
+        units = ((i, find_motion(unit_of(self.channels[i]) or "")) for i in (first, other))
+        sizes = [of.factor * np.nanstd(self.values[i]) for i, of in units if of]
         return len(sizes) == 2 and bool(abs(sizes[1] / sizes[0] - 1.0) > _ONE)
 
     def _are_one(self, found: dict[int, Guess], columns: Sequence[int]) -> bool:
@@ -561,7 +560,9 @@ class Guesses:
     def rules(self) -> dict[str, ChannelRule]:
         """What is read, as a mapping says it."""
         return {
-            of.quantity: ChannelRule(i + 1, of.unit or None, coordinate=self.coordinate(i))
+            of.quantity: ChannelRule(
+                i + 1, of.unit or None, self.channels[i].scale, coordinate=self.coordinate(i)
+            )
             for i, of in self.all.items()
             if of.quantity
         }
@@ -588,6 +589,8 @@ class Guesses:
             yield f"what {verb} {names} hold: {may}{because}?{free}"
         if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
             yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
+        if unknown := [self.names[i] for i in held.values() if math.isnan(self.channels[i].scale)]:
+            yield f"what is the scale of {listed(unknown)}?"
 
 
 def _near(factor: float, dimension: str) -> str:

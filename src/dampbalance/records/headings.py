@@ -27,15 +27,20 @@ from .units import (
 
 WORDS = {
     "displacement": "displacement disp deflection position pos dist distance x weg auslenkung "
-    "verschiebung abstand angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel",
-    "velocity": "velocity vel v geschwindigkeit speed drehzahl omega ω winkelgeschwindigkeit",
-    "acceleration": "acceleration accel acc beschleunigung winkelbeschleunigung",
-    "force": "force forc f kraft torque moment drehmoment",
+    "verschiebung abstand angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel "
+    "déplacement deplacement 変位 位移",
+    "velocity": "velocity vel v geschwindigkeit speed drehzahl omega ω winkelgeschwindigkeit "
+    "vitesse 速度",
+    "acceleration": "acceleration accel acc accelerometer beschleunigung winkelbeschleunigung "
+    "accélération accéléromètre 加速度",
+    "force": "force forc f kraft torque moment drehmoment effort 力 荷重 载荷",
     "base_displacement": "y",
     "base": "base ground table shaker foundation support excitation input in eingang "
-    "basis boden tisch fundament fußpunkt anregung erregung",
-    "mass": "mass response absolute output out masse antwort absolut ausgang",
-    "relative": "relative rel relativ",
+    "basis boden tisch fundament fußpunkt anregung erregung socle pot vibrant "
+    "台 台面 加振 加振台 振動台 ベース 基礎 入力 振动台 激振 基座 基础 输入",
+    "mass": "mass response absolute output out masse antwort absolut ausgang réponse "
+    "質量 応答 出力 质量 质量块 响应 输出",
+    "relative": "relative rel relativ relatif 相対 相对",
 }
 """Words by which a channel is recognised, in lower case: quantities, then what moves, and against what. "in" counts at
 the end of a heading alone."""
@@ -71,7 +76,8 @@ _MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words
 # words that suffice for a guess alone
 _HINTS = dict.fromkeys(("hammer", "load", "friction", "reibung", "reibkraft"), "force")
 _NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
-_PASSED_OVER = "angular"  # the unit shows that a velocity is angular
+# the unit shows that a velocity is angular; accélération de la masse
+_PASSED_OVER = "angular", "de", "du", "la", "le"
 _BODIES = ("base", "mass", "relative")
 _OF_AMPLITUDES = {
     "amplitude",
@@ -86,10 +92,13 @@ _OF_AMPLITUDES = {
     "rms",
 }
 _OF_ERRORS = {"standard", "error", "std", "stdev", "deviation", "uncertainty"}
-_SHORTEST = 3  # letters of a word that may be part of another
+# letters of a word that may be part of another, a sign of Chinese or Japanese is enough; and of a compound
+_SHORTEST, _LONGEST = 3, 60
+_SIGNS = "\u3040-\u30ff\u4e00-\u9fff"  # kana, and Chinese characters
 _TIME = re.compile(
     r"((elapsed|relative|rel|running|test|record|recording|measurement|date|abs|absolute|sample)_?)?"
-    r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?)(_?(stamps?|axis|value|achse|\d+))?"
+    r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?|(row)?times|temps|時間|時刻|时间)"
+    r"(_?(stamps?|axis|value|achse|\d+))?"
 )
 _COUNTED_IN = {  # unit of times → names that imply it: of LabVIEW, oscilloscopes, microcontrollers
     "s": re.compile(r"x_values?|(elapsed_)?seconds?(_elapsed)?|sekunden?"),
@@ -163,6 +172,12 @@ def unit_of(raw: RawChannel, *, table: bool = False) -> str | None:
     return raw.unit or next((s for s, of in _COUNTED_IN.items() if of.fullmatch(key)), implied)
 
 
+def has_word(text: str) -> bool:
+    """Return whether a text has a Chinese or Japanese word of a heading, of two signs or more."""
+    words = {*_MEANINGS, "時間", "時刻", "时间"}
+    return any(word in text for word in words if re.match(f"[{_SIGNS}]{{2}}", word))
+
+
 def unusable(raw: RawChannel) -> str | None:
     """Say what a channel is instead of a motion or a force, by its name or unit; None where they do not."""
     if set(words_of(raw.name)) & {*TEMPERATURE}:
@@ -187,12 +202,14 @@ def quantity_of(
         others = [word for word in words if word not in _OF_ERRORS]
         if quantity_of(replace(raw, name=" ".join(others))) == "force":
             return f"force{STANDARD_ERROR}"
-    words = [word for word in words if word != _PASSED_OVER and not word.isdigit()] or words
+    words = [word for word in words if word not in _PASSED_OVER and not word.isdigit()] or words
+    words = [word for word in words if not _contradicts(word, raw)]
     rest = [word for word in words if word not in AXES]  # an axis beside a quantity
     words = rest if {meanings.get(word) for word in rest} & DIMENSIONS.keys() else words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):
-        words = [word for word in words if word in meanings and len(word) > 1]
+        # no letter of a direction
+        words = [w for w in words if w in meanings and not re.fullmatch(f"[^{_SIGNS}]", w)]
     roles = {meanings.get(word, "") for word in words}
     bodies, quantities = roles & {*_BODIES}, roles - {*_BODIES}
     if not all_words and len(bodies) > 1:
@@ -206,6 +223,13 @@ def quantity_of(
         return quantity
     named = quantity if body in ("", "mass") else f"{body}_{quantity}"
     return named if named in among and (body, named) != ("mass", "force") else None
+
+
+def _contradicts(letter: str, raw: RawChannel) -> bool:
+    """Return whether a single letter would be a quantity of another unit, as x in Table X [g]: it is a direction, or a
+    number, then."""
+    unit, meant = find_motion(raw.unit or ""), DIMENSIONS.get(_MEANINGS.get(letter, ""))
+    return bool(len(letter) == 1 and unit and meant and unit.counterpart != meant)
 
 
 def column_of(raw: RawChannel) -> str | None:
@@ -239,14 +263,21 @@ def by_unit(raw: RawChannel) -> str | None:
 def words_of(name: str) -> list[str]:
     """Return the words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
     name = unicodedata.normalize("NFC", last_part(name))
-    spaced = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)", " ", name)
-    words: list[str] = []
+    signs = rf"(?<=[{_SIGNS}])(?=[A-Za-z])|(?<=[A-Za-z])(?=[{_SIGNS}])|(?<=[{_SIGNS}])[の的](?=[{_SIGNS}])"
+    spaced = re.sub(rf"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)|{signs}", " ", name)
     spaced = spaced.lower().replace("_", " ").replace("fusspunkt", "fußpunkt")
-    for word in re.findall(r"\w+", spaced):
-        cuts = range(_SHORTEST, len(word) - _SHORTEST + 1)
-        parts = (part for i in cuts if {*(part := (word[:i], word[i:]))} <= _MEANINGS.keys())
-        words += [word] if word in _MEANINGS else next(parts, (word,))
-    return words
+    return [part for word in re.findall(r"\w+", spaced) for part in _parts(word)]
+
+
+def _parts(word: str) -> list[str]:
+    """Return the words that a compound consists of; itself where it is none."""
+    least = 1 if re.match(f"[{_SIGNS}]", word) else _SHORTEST
+    if word in _MEANINGS or len(word) > _LONGEST:
+        return [word]
+    for i in range(least, len(word) - least + 1):
+        if word[:i] in _MEANINGS and (rest := _parts(word[i:])) and {*rest} <= _MEANINGS.keys():
+            return [word[:i], *rest]
+    return [word]
 
 
 def runs_of(file: Table) -> list[Table]:

@@ -20,6 +20,7 @@ from typing import Any
 
 from ..arguments import Bounds, path
 from ..arrays import ReadOnly
+from ..project.wording import listed
 from .channel import EXCITATIONS, RESPONSES, ROTATING, Correction
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError
@@ -42,14 +43,15 @@ Which = str | int  # a channel by its name, or by its number counted from 1
 class ChannelRule:
     """The channel of a quantity: value in SI = sign · scale · reading · (the unit in SI).
 
-    unit : of scale · reading, None for what the file says.   time : its own time channel, None for the common one.
-    correction : of its harmonics; None for none.   file : that it stands in, from the folder of the record on; None for
-    the record itself.   standard_error : of a table, the column that holds that of this one, in its unit.
+    unit : of scale · reading, None for what the file says.   scale : None for what the file says, 1 where it has no
+    volts.   time : its own time channel, None for the common one.   correction : of its harmonics; None for none.
+    file : that it stands in, from the folder of the record on; None for the record itself.
+    standard_error : of a table, the column that holds that of this one, in its unit.
     """
 
     channel: Which
     unit: str | None = None
-    scale: float = 1.0
+    scale: float | None = None
     sign: int = 1
     time: Which | None = None
     correction: Correction | None = None
@@ -158,6 +160,12 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     remedy."""
     from ..project.documents import against_schema, in_lines, read_schema
 
+    if blanks := [*_blanks(document)]:
+        at, remedy = (
+            listed(blanks),
+            "fill them in, or delete the lines of columns that are not needed",
+        )
+        raise RecordError(f'{source}: there are still blanks, "{BLANK}", at {at}: {remedy}')
     problems = against_schema(document, read_schema(SCHEMA))
     problems = problems or list(_contradictions(document))
     if problems:
@@ -171,6 +179,13 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     table = ReadOnly({q: _rule(q, rule) for q, rule in keys.pop("table", {}).items()})
     rules = ReadOnly({ROTATING.get(q, q): _rule(q, rule) for q, rule in channels.items()})
     return RecordMapping(source, rules, time.get("channel"), time.get("unit"), table=table, **keys)
+
+
+def _blanks(document: Any, above: str = "") -> Iterator[str]:
+    """Yield the keys of a draft at which something is to be filled in."""
+    for key, value in document.items() if isinstance(document, Mapping) else ():
+        blank = str(key).endswith(BLANK) or value == BLANK
+        yield from [f"{above}{key}"] if blank else _blanks(value, f"{above}{key}.")
 
 
 def _rule(of: str, stated: Mapping[str, Any]) -> ChannelRule:

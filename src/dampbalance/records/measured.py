@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import re
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -18,6 +19,7 @@ from .errors import RecordError, RecordWarning
 from .headings import runs_of
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
 from .readers import opened
+from .readers.formats import SUFFIXES
 from .recognise import recognise
 from .record import Record
 from .table import Table, is_table, signals_file
@@ -49,7 +51,7 @@ def as_records(
     wanted = "the path of a file, a pandas DataFrame, a mapping of names to arrays, or a sequence of them"
     several = [records] if single else items("records", records, wanted)
     made: list[Record] = []
-    for number, one in enumerate(several, start=1):
+    for number, one in enumerate(files_of(several, mapping), start=1):
         taken = {record.name for record in made}
         if isinstance(one, str | Path):
             file = path("each record", one, "a file")
@@ -63,6 +65,24 @@ def as_records(
         else:
             made.append(one)
     return tuple(made)
+
+
+def files_of(records: Iterable[Any], mapping: MappingLike = None) -> Iterator[Any]:
+    """Yield records, and for a folder the files in it: those whose suffix is that of a format, in the order of the
+    numbers in their names, without those that hold channels of others.
+
+    Raises RecordError for a folder without such files.
+    """
+    for one in records:
+        if not isinstance(one, str | Path) or not Path(one).is_dir():
+            yield one
+            continue
+        files = [of for of in Path(one).iterdir() if of.is_file() and of.suffix.lower() in SUFFIXES]
+        if not files:
+            raise RecordError(f"{one}: holds no records, whose files end in {', '.join(SUFFIXES)}")
+        files.sort(key=lambda of: [part.zfill(9) for part in re.split(r"(\d+)", of.name)])
+        parts = {of: {*parts_of(of, mapping_for(of, mapping))} - {of} for of in files}
+        yield from (of for of in files if not any(of in others for others in parts.values()))
 
 
 def _in_memory(

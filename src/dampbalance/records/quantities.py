@@ -7,6 +7,7 @@ decimal mark; where a comma may separate thousands as well, as in "2,310", the n
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from decimal import Decimal
 from numbers import Real
 from typing import Any, NamedTuple, NoReturn
@@ -78,6 +79,17 @@ def _factor(si: str, unit: str) -> tuple[float, Coordinate | None]:
     if not unit or (unit == "%" and not si):
         return 0.01 if unit else 1.0, None
     return factor_to(si, unit)
+
+
+def readings(text: str, decimal: str) -> list[float]:
+    """Return what a text may spell: one number, two where its only mark, which is not the decimal mark of the file it
+    stands in, may separate thousands or decimals, or none."""
+    marks = {mark for mark in ".," if re.fullmatch(rf"[1-9]\d{{0,2}}[{mark}]\d{{3}}", text)}
+    texts = [text.replace(",", ".")] if marks else [text]
+    texts += [re.sub("[.,]", "", text)] * bool(marks - {decimal})
+    with suppress(ValueError):
+        return [float(_decimal(of, text)) for text in texts if (of := _NUMBER.fullmatch(text))]
+    return []
 
 
 def _decimal(of: re.Match[str], name: str) -> Decimal:

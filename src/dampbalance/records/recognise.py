@@ -9,6 +9,7 @@ used is refused with what is missing, and with the mapping to write where that i
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +19,7 @@ import numpy as np
 from ..arrays import Array, Integers
 from ..findings.finding import Finding
 from ..project.spelling import spelled
-from ..project.wording import shortened
+from ..project.wording import listed, shortened
 from . import errors
 from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
 from .clock import Clock, clock_of, left_out
@@ -107,7 +108,13 @@ def _pick(
         raise RecordError(
             f"{guesses.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
         )
-    factor = rule.sign * rule.scale
+    scale = raw.scale if rule.scale is None else rule.scale
+    # of volts, and of what the file scales, a unit alone does not say it
+    unscaled = find_other(raw.unit or "") == VOLTAGE or raw.scale != 1.0
+    if math.isnan(scale) or (rule.unit and rule.scale is None and unscaled):
+        what = f"what is the scale of {guesses.names[index]}?"
+        raise _asked(guesses, what, f"Say it at channels.{quantity}")
+    factor = rule.sign * scale
     factor *= _unit(guesses, index, rule.unit or unit_of(raw), rule.coordinate.key(quantity))
     pick = Pick(
         *(quantity, index, raw.name, factor),
@@ -143,27 +150,33 @@ def _pick(
 def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
     """Yield what is told of the channels read and left out: how a unit or an axis was found; signals as long as those
     read; a displacement or velocity that only its unit shows, which may be that against a base that moves."""
-    names, where = guesses.names, {"where": guesses.where}
+    names, raws, own = guesses.names, guesses.channels, [pick.index for pick in picks]
     yield from (of.said for of in guesses.all.values() if of.said)
     clocks = {pick.time: pick.index for pick in picks if pick.time is not None}
-    for clock, own in clocks.items():
-        if unit_of(guesses.channels[clock]) is None and not guesses.mapping.time_unit:
-            of = {"channel": names[clock], "rate": 1.0 / guesses.step(own)}
-            yield Finding("seconds", of | where)
-    sizes = {guesses.channels[pick.index].size for pick in picks}
-    if unused := [
-        f"{names[i]} ({of.reason})"
-        for i, of in guesses.all.items()
-        if not of.quantity and guesses.channels[i].size in sizes
-    ]:
-        yield Finding("not used", {"channels": first_of(unused)} | where)
+    for clock, i in clocks.items():
+        if unit_of(raws[clock]) is None and not guesses.mapping.time_unit:
+            yield Finding("seconds", {"channel": names[clock], "rate": 1.0 / guesses.step(i)})
+    told = [(i, raws[i]) for i in own if raws[i].described]
+    taken = [f"{shortened(raw.label or f'column {i + 1}')} is {raw.described}" for i, raw in told]
+    if axes := [names[i] for i in own if guesses.all[i].axis]:
+        taken.append(f"{listed(axes)}, the ax{'es' if axes[1:] else 'is'} with the most motion")
+    if (line := raws[own[0]].rate_line) and picks[0].rate_hz == raws[own[0]].rate_hz:
+        taken.append(f"{picks[0].rate_hz:,g} samples a second ({line})")
+    if taken:
+        yield Finding("taken", {"what": shortened("; ".join(taken), 600)[1:-1]})
+    sizes, unused = {raws[i].size for i in own}, dict[str, list[str]]()
+    for i, of in guesses.all.items():
+        if not (of.quantity or of.axis or i in guesses.empty) and raws[i].size in sizes:
+            unused.setdefault(of.reason, []).append(names[i])
+    if unused:
+        channels = [f"{first_of(of)} ({why})" for why, of in unused.items()]
+        yield Finding("not used", {"channels": ", ".join(channels)})
     chosen = {pick.quantity: pick.index for pick in picks}
     moving = "force" not in chosen and any(q in EXCITATIONS for q in chosen)
     for quantity in ("displacement", "velocity"):
-        i = chosen.get(quantity)
-        if moving and i is not None and guesses.all[i].reason == BY_UNIT:
-            of = {"channel": names[i], "quantity": quantity}
-            yield Finding("against the ground", of | where)
+        at = chosen.get(quantity)
+        if moving and at is not None and guesses.all[at].reason == BY_UNIT:
+            yield Finding("against the ground", {"channel": names[at], "quantity": quantity})
 
 
 def _unit(guesses: Guesses, i: int, text: str | None, quantity: str) -> float:

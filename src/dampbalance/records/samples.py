@@ -25,7 +25,7 @@ def aside(values: Array) -> str:
     if not finite.size:
         return "it is empty" if values.size else "it does not hold numbers"
     if not np.ptp(finite):
-        return f"constant, {finite[0]:g}"
+        return "constant"
     if (step := equal_step(finite)) is not None:
         kind = "a counter" if counts(finite) else "a time"
         return f"rises by {step:.6g} from sample to sample: {kind}"

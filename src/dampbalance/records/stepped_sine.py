@@ -204,7 +204,7 @@ class _Table:
                 raise UnitError(
                     f"has no unit: state it at table.{quantity}.unit in {self.guesses.where}"
                 )
-            factor = rule.scale * table_factor(text, quantity)
+            factor = (rule.scale or 1.0) * table_factor(text, quantity)
             self.decibels |= {role} if reference_of(text) else set()
         except UnitError as error:
             words = f"column {shortened(raw.name)}: {error}"

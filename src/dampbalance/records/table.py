@@ -25,13 +25,17 @@ from .units import split_label
 
 RATE_NAMES = (
     "sample_rate_hz", "sample_rate", "sampling_rate", "samplerate", "sampling_frequency", "fs", "rate_hz",
+    "sample_frequency", "sampling_freq", "scan_rate", "acquisition_rate", "acquisition_frequency", "sampled_at",
+    "abtastrate", "abtastfrequenz", "messrate", "messfrequenz", "fréquence_d_échantillonnage", "采样频率", "采样率",
+    "サンプリング周波数",
 )  # fmt: skip
 STEP_NAMES = (
     "wf_increment", "dt", "dt_s", "delta_t", "time_step", "sample_interval", "increment", "t_increment",
-    "sampling_interval", "sampling_time_interval", "sampling_period", "sample_period",
+    "sampling_interval", "sampling_time_interval", "sampling_period", "sample_period", "abtastintervall",
+    "pas_de_temps", "période_d_échantillonnage", "サンプリング間隔", "サンプリング周期", "采样间隔", "采样周期",
 )  # fmt: skip
 START_NAMES = ("wf_start_offset", "t0", "t_start", "start_time_s")
-UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription")
+UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription", "variableunits")
 """Names, in lower case, under which files keep sampling rate (Hz), step (s), first time (s) and unit."""
 
 TIMING_NAMES = frozenset((*RATE_NAMES, *STEP_NAMES, *START_NAMES))
@@ -49,6 +53,8 @@ class RawChannel:
     rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
     stamps : whether it holds points in time, or spans of it; read as s from the first on.
     fault : of the rate, the step or the first time that the file states; "" for none.
+    scale : units per reading, where the file states it; NaN where it may be in the unit or not.
+    described, rate_line : lines of a header that say what the channel and the rate are; "" for none.
     load : gives its samples as recorded, where its table does not.
     """
 
@@ -60,6 +66,9 @@ class RawChannel:
     label: str = ""
     stamps: bool = False
     fault: str = ""
+    scale: float = 1.0
+    described: str = ""
+    rate_line: str = ""
     load: Callable[[], ArrayLike] = list
 
 

@@ -24,6 +24,8 @@ from .channel import ABSOLUTE, QUANTITIES, ROTATING
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 
 VOLTAGE = "a voltage"  # any transducer may give one: the `scale` of a mapping makes a motion of it
+VOLTS = {"V": 1.0, "mV": 1e-3, "µV": 1e-6, "μV": 1e-6, "uV": 1e-6}
+"""Volts per unit in which a sensitivity is stated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +98,7 @@ def split_label(label: str) -> tuple[str, str | None]:
     What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
     The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
     """
-    label = label.strip()
+    label = label.strip().translate(_BRACKETS)
     # characters of a heading: the search for its unit takes their square
     if len(label) > 1000:
         return label, None
@@ -192,6 +194,7 @@ def _plain(text: str) -> str:
     return text.translate(_CHARACTERS).strip("[](){} \t\n")
 
 
+_BRACKETS = str.maketrans("（）［］", "()[]")  # of Chinese and Japanese
 _CHARACTERS = str.maketrans("μ²³⁴¹⁻", "µ2341-")
 _TABLE = tomllib.loads(files(__package__).joinpath("units.toml").read_text(encoding="utf-8"))
 _OTHERS = {unit: what for what, units in _TABLE["others"].items() for unit in units}

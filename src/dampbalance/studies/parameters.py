@@ -21,7 +21,6 @@ from ..balance import TERMS
 from ..law.terms import KNOWN_TERMS, Term
 from ..model import Oscillator
 from ..project.documents import read_schema
-from ..project.wording import label_with_unit
 
 ParameterKind = Literal["oscillator", "excitation", "numerics", "read_out"]
 
@@ -52,18 +51,6 @@ class Parameter:
     def name(self) -> str:
         """Symbol of the parameter in TeX, or its meaning where it has none."""
         return f"${self.symbol}$" if self.symbol else self.meaning
-
-    @property
-    def label(self) -> str:
-        """Symbol and unit, for the axis of a figure."""
-        return label_with_unit(self.name, self.unit) if self.symbol else self.name
-
-    def titled(self, value: float | str) -> str:
-        """Return a value for the title of a panel, f = 4.92 Hz; a word alone."""
-        if isinstance(value, str):
-            return value
-        text = f"{value:.4g} {self.unit.removeprefix('1')}".rstrip()
-        return f"{self.name} = {text}" if self.symbol else f"{self.name}: {text}"
 
 
 def in_tex(symbol: str) -> str:

@@ -19,9 +19,9 @@ _LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memo
 # fields of MATLAB that name the signals next to them, and those that hold their times
 _LABELS = (
     *("names", "name", "labels", "label"),
-    *("channels", "channelnames", "channel_names", "signalnames"),
+    *("channels", "channelnames", "channel_names", "signalnames", "variablenames"),
 )
-_TIMES = ("t", "time", "times", "timestamp", "timestamps", "zeit")
+_TIMES = ("t", "time", "times", "rowtimes", "timestamp", "timestamps", "zeit")
 _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
@@ -114,8 +114,11 @@ def _is_signal(value: Any) -> bool:
 
 def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
     """Yield fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind
-    them; the signals of a matrix, and of the structure of one signal, the names that stand next to them."""
-    texts = [(key.lower(), _texts(value)) for key, value in held.items()]
+    them; the signals of a matrix, and of the structure of one signal, the names that stand next to them, or in
+    `Properties` as those of a timetable do."""
+    properties = held.get("Properties")
+    stated = {**held, **(properties if isinstance(properties, Mapping) else {})}
+    texts = [(key.lower(), _texts(value)) for key, value in stated.items()]
     labels, units = (
         next((of for key, of in texts if key in keys and of), []) for keys in (_LABELS, UNIT_NAMES)
     )
@@ -142,7 +145,8 @@ def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
                 unit = units[i] if len(units) == len(labels) else own or ""
                 yield f"{above}{bare.replace('/', '_')}", row, unit
         else:
-            yield f"{above}{name}", value, ""
+            unit = dict(zip(labels, units, strict=False)).get(name, "")
+            yield f"{above}{name}", value, unit
 
 
 def _texts(value: Any) -> list[str]:

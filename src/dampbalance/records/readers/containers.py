@@ -4,10 +4,12 @@ text of LabVIEW."""
 from __future__ import annotations
 
 import io
+import math
 import re
 import tempfile
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -187,12 +189,15 @@ def wav_file(path: Path) -> Table:
         warnings.simplefilter("ignore", wavfile.WavFileWarning)
         warnings.filterwarnings("error", "Reached EOF(?!.* expected 4294967303 )")
         rate, data = wavfile.read(path)
+    parts, scale = "", 1.0
     if data.dtype.kind in "iu":
+        parts, scale = "recorded as parts of full scale", math.nan
         full = 2.0 ** (8 * data.dtype.itemsize - 1)
         data = data / full - (data.dtype.kind == "u")
     columns, channels = data.reshape(len(data), -1).T, list[RawChannel]()
     for number, column in enumerate(columns, start=1):
-        channels += channels_of(f"channel {number}", column, {"sample_rate_hz": rate})
+        raws = channels_of(f"channel {number}", column, {"sample_rate_hz": rate})
+        channels += [replace(raw, scale=scale, described=parts) for raw in raws]
     return Table(path, channels)
 
 

@@ -57,6 +57,9 @@ FORMATS = {
 }
 """The formats read, by short name."""
 
+SUFFIXES = tuple(dict.fromkeys(end for of in FORMATS.values() for end in of.suffixes))
+"""Ends of the names of their files."""
+
 
 def checked_format(path: Path) -> Format:
     """Return the format of a regular file that is there, not empty, and what its name says it is. Raises RecordError
@@ -78,9 +81,8 @@ def checked_format(path: Path) -> Format:
         name = shortened(str(path), 200)[1:-1]
         raise RecordError(f"{name}: {str(error.strerror).lower()}") from None
     if named is None:
-        every = ", ".join(dict.fromkeys(end for of in FORMATS.values() for end in of.suffixes))
         raise RecordError(
-            f"{path}: unknown suffix {shortened(path.suffix)}; records end in {every}"
+            f"{path}: unknown suffix {shortened(path.suffix)}; records end in {', '.join(SUFFIXES)}"
         )
     if size == 0:
         raise RecordError(f"{path}: is empty")

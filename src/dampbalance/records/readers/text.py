@@ -9,7 +9,8 @@ import csv
 import itertools
 import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -20,11 +21,12 @@ import numpy as np
 from ...arrays import Array
 from ...findings.finding import Finding
 from ...project.wording import shortened
-from ..errors import HIGHEST_RATE, LOWEST_RATE, RecordError
-from ..headings import key_of, names_time
+from ..errors import RecordError
+from ..headings import has_word, names_time
 from ..mapping import RecordMapping
-from ..table import LONGEST_TAIL, RATE_NAMES, STEP_NAMES, RawChannel, Table
+from ..table import LONGEST_TAIL, RawChannel, Table
 from ..units import find_other, find_unit, split_label
+from .header import described, keyed, stated_rate
 
 WHITESPACE = "whitespace"
 _Cells: TypeAlias = Sequence[list[str]]
@@ -32,7 +34,7 @@ _ROWS_TO_AGREE = 20
 _COMMENTS = "#%"
 _BRACKETS = "[](){} "
 # first cells of the lines of names and of units in the header of a logger
-_NAMES, _UNITS = ("channel_name", "channel_names", "channel", "name"), ("unit", "units")
+_NAMES, _UNITS = ("channel_name", "channel_names", "name", "channel"), ("unit", "units")
 _MISSING = {"", "na", "n/a", "null", "none"} | {
     sign + word for sign in ("", "+", "-") for word in ("nan", "inf", "infinity")
 }
@@ -104,6 +106,16 @@ def _first_row(
 
 
 def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
+    """Return the cells of each line of a header, separated as the rows are, or, where no line has as many so, by
+    another mark of which the last line does."""
+    table = _header_cells(lines, delimiter, width, most)
+    if width < 2 or any(len(cells) == width for cells in table):
+        return table
+    others = (_header_cells(lines, mark, width, most) for mark in _DELIMITERS[:-1])
+    return next((of for of in others if of and len(of[-1]) == width), table)
+
+
+def _header_cells(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
     """Return the cells of each line of a header; where blanks separate them, of the lines with as many as the rows.
     Without those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack."""
     table = []
@@ -114,7 +126,7 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
         if delimiter == WHITESPACE:  # "x [mm]" is one name, where the number of cells allows
             ways = (re.split(way, text.strip()) for way in (r"\s{2,}|\t", r"\s+(?![\[(])"))
             cells = next((apart for apart in ways if len(apart) == width), cells)
-        while len(cells) > width and not cells[0]:
+        while len(cells) > most and not cells[0]:
             del cells[0]
         dropped = ("", "comment", "kommentar")
         while len(cells) > width and (len(cells) <= most or cells[-1].lower() in dropped):
@@ -133,8 +145,8 @@ def columns_of(path: Path, table: _Cells, width: int) -> list[RawChannel]:
             "it has 0,5 for 0.5 and commas between the columns, export it with another delimiter, such as ;"
         )
     units = fitting.pop() if len(fitting) > 1 and _are_units(fitting[-1]) else [""] * width
-    labels, keyed = fitting[-1] if fitting else [""] * width, _keyed(table)
-    named, measured = (next(filter(None, map(keyed.get, keys)), []) for keys in (_NAMES, _UNITS))
+    labels, stated = fitting[-1] if fitting else [""] * width, keyed(table)
+    named, measured = (next(filter(None, map(stated.get, keys)), []) for keys in (_NAMES, _UNITS))
     # a column below the key, or one of each pair, holds the times
     pairs = len(named) == len(measured) == width
     times = {i for i, cell in enumerate(named) if cell == named[0]} if pairs else set[int]()
@@ -150,40 +162,18 @@ def columns_of(path: Path, table: _Cells, width: int) -> list[RawChannel]:
     # headings of an oscilloscope
     for key, along in (("horizontal_units", True), ("vertical_units", False)):
         places = [i for i, raw in enumerate(columns) if names_time(raw) == along and not raw.unit]
-        for i, unit in zip(places, keyed.get(key, [])[1:], strict=False):
+        for i, unit in zip(places, stated.get(key, [])[1:], strict=False):
             columns[i] = replace(columns[i], unit=unit or None)
     return columns
 
 
-def _keyed(table: _Cells) -> dict[str, list[str]]:
-    """Return the lines of a header by their first cells, without the unit, as `key_of` spells them."""
-    return {key_of(split_label(cells[0])[0]): cells for cells in table if len(cells) > 1}
-
-
-def _stated_rate(table: _Cells, decimal: str) -> float | None:
-    """Return samples per second as a line of a header gives them, or the interval between them; None where none
-    does."""
-    for key, cells in _keyed(table).items():
-        number, _, unit = cells[1].partition(" ")
-        step = key in (*STEP_NAMES, "interval")
-        if (step or key in RATE_NAMES) and _NUMBER[decimal].fullmatch(number):
-            stated = unit or split_label(cells[0])[1]
-            known = find_unit(stated or ("s" if step else "Hz"))
-            value = float(number.replace(decimal, ".")) * (known.factor if known else 0.0)
-            rate = 1.0 / value if step and value else value
-            # 20.0 Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
-            if (LOWEST_RATE if stated else 20.0) <= rate <= HIGHEST_RATE:
-                return rate
-    return None
-
-
 def timed(
-    columns: Sequence[RawChannel], head: _Cells, rows: _Cells, decimal: str
+    columns: Sequence[RawChannel], clock: Mapping[str, Any], rows: _Cells, decimal: str
 ) -> list[RawChannel]:
-    """Return the columns with the rate that a header states. A column that counts samples, by its first rows, is no
-    time where the header states another interval, or where only its place there made it one."""
-    rate = _stated_rate(head, decimal)
-    timed_columns = [replace(raw, rate_hz=rate) for raw in columns]
+    """Return the columns with the rate that a header states, `clock`. A column that counts samples, by its first rows,
+    is no time where the header states another interval, or where only its place there made it one."""
+    rate = clock.get("rate_hz")
+    timed_columns = [replace(raw, **clock) for raw in columns]
     for i, raw in enumerate(timed_columns):
         whole = [row[i].partition(decimal)[0] for row in rows if i < len(row)]
         doubtful = rate != 1.0 and (rate is not None or not raw.label)
@@ -217,17 +207,18 @@ def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapp
 
 
 def _encoding(path: Path) -> str:
-    """Return the encoding of a file: by its byte order mark, else UTF-8, else the code page of Windows (µ and ² in a
-    header)."""
+    """Return the encoding of a file: by its byte order mark, else UTF-8; else Shift-JIS or GB 18030 if headings make
+    sense so, or the code page of Windows (µ and ² in a header)."""
     with open(path, "rb") as stream:
         head = stream.read(65536)
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
         return "utf-16"
-    try:
-        codecs.getincrementaldecoder("utf-8")().decode(head)  # the end may cut a character in two
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8-sig"
+    for encoding in ("utf-8-sig", "cp932", "gb18030"):
+        with suppress(UnicodeDecodeError):  # the end may cut a character in two
+            text = codecs.getincrementaldecoder(encoding)().decode(head)
+            if encoding == "utf-8-sig" or has_word(text):
+                return encoding
+    return "cp1252"
 
 
 def _seconds(cells: Any) -> Array:
@@ -401,7 +392,10 @@ def text_table(
     left = min(next(i for i, cell in enumerate(row) if cell) for row in rows if any(row))
     head = _header_table(lines[:header], delimiter, width - left, cells - left)
     rows = [row[left:width] for row in rows]
-    channels = timed(columns_of(path, head, width - left), head, rows, decimal)
+    above = [text for text in lines[:header] if len(text) < 500]  # longer ones are no words
+    sensitivities = keyed(head).get("sensitivity", [])[1:]
+    channels = described(columns_of(path, head, width - left), above, sensitivities, decimal)
+    channels = timed(channels, stated_rate(above, decimal, delimiter), rows, decimal)
     for i, cell in enumerate(rows[0]):
         if _STAMP.fullmatch(cell) or (_DATE.fullmatch(cell) and ":" in cell):
             channels[i] = replace(channels[i], unit="s", stamps=True)

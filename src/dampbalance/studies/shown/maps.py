@@ -19,8 +19,8 @@ from ...figures.series import EXACT, SignedScale, decades, is_even, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
 from ..case_files import CasesLike, stretches, terms_of
-from ..parameters import parameter
 from ..study_file import Estimator, Sampled, Study
+from .shown_as import ShownAs, shown_as
 from .statistics import Sizes, places_of
 
 REGION = 0.9  # share of the cases of a bin that its colour is about: nine of ten, as a single one would be chance
@@ -40,11 +40,12 @@ _HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white",
 
 
 class _Axis(NamedTuple):
-    """An axis of a map: edges and centres of its bins, and whether it is logarithmic."""
+    """An axis of a map: edges and centres of its bins, whether it is logarithmic, and how it is shown."""
 
     edges: Array
     centres: Array
     logarithmic: bool
+    of: ShownAs
 
 
 def _axis(study: Study, name: str) -> _Axis:
@@ -66,7 +67,8 @@ def _axis(study: Study, name: str) -> _Axis:
             ends = 2 * values[0] - middle[0], 2 * values[-1] - middle[-1]
         edges = np.array([ends[0], *middle, ends[1]])
     centres = np.sqrt(edges[1:] * edges[:-1]) if logarithmic else 0.5 * (edges[1:] + edges[:-1])
-    return _Axis(edges, centres, logarithmic)
+    of = shown_as(study, name)
+    return _Axis(of.factor * edges, of.factor * centres, logarithmic, of)
 
 
 @styled()
@@ -119,7 +121,7 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
         if covered[0] == 0 and not single:
             axes.set_title(in_maths(label_of(fit.approach)), pad=14.0)  # above what the panel shows
         if column == 0:
-            panels.name_row(axes, parameter(names[1]).label)
+            panels.name_row(axes, y.of.label)
         # what the panel shows, as far as others of its column show something else
         words = [f"${symbol}$"]
         if len(kinds) > 1 and fit.phase:
@@ -128,7 +130,7 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
         text = f"{', '.join(words)}: {percent(sizes[fit, symbol].share)}"
         note(axes, text, (0.0, 1.0), (0.0, 2.0), size=7.5, xycoords="axes fraction")
     clear_labels([lowest[column] for column in sorted(lowest)])
-    panels.text_below(parameter(names[0]).label)
+    panels.text_below(x.of.label)
     what = "error" if signed else f"error that {100 * REGION:g} % of the cases do not exceed"
     # beside a single row there is no room for more than a word
     by = f"Colour: {what}, by {in_maths(label_of(approaches[0]))}. " if single else ""
@@ -163,7 +165,9 @@ def _errors(
     for values in stretches(cases, [*axes, *errors.values()]):
         i, j = (
             np.clip(
-                np.searchsorted(axis.edges, values[name], "right") - 1, 0, len(axis.centres) - 1
+                np.searchsorted(axis.edges, axis.of.factor * values[name], "right") - 1,
+                0,
+                len(axis.centres) - 1,
             )
             for name, axis in axes.items()
         )

@@ -24,13 +24,19 @@ from ...project.wording import in_figure, listed
 from ...solver import NORMAL_95
 from ..case_files import CasesLike, column_of, terms_of
 from ..parameters import parameter
-from ..study_file import Estimator, Study, selected
+from ..study_file import YARDSTICKS, Estimator, Study, selected
 from .maps import error_map
+from .shown_as import shown_as
 from .statistics import spread_of, worst_errors
 
 FEW = 24  # cases on a curve up to which each is marked
 MARKS = 6  # on a curve of more
 BRIEF = 0.08  # of a curve
+_WIDTH, _BENEATH = (
+    0.9,
+    2.6,
+)  # of a curve, points; of one on which another lies, so that both are seen
+_APART = 0.05  # decades: less than half a millimetre in a panel of five, so that curves lie upon each other
 HARMONIC = "harmonic"  # the curve that stands for all approaches that take a phase
 PHASE_WORDS = {
     "reversal": "phase of the velocity reversal",
@@ -72,13 +78,15 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
     Columns of panels: phase definitions, or the values of another axis. Solid: φ and t_s common to the levels, where
     it has such curves; dashed: of each level. Filled marks: too large; open marks: too small. Where the harmonic
     approaches agree, one curve stands for them all. Where a curve stands for several fits (all pairs) it is the worst.
-    An approach of which every curve is exact is named below the panels, with the bound of its error, and not drawn.
+    A curve on which another lies is wider, so that both are seen. An approach of which every curve is exact is named
+    below the panels, with the bound of its error, and not drawn.
     """
-    figure, x = study.figure, column_of(cases, study.figure["x"])
+    figure, of_x = study.figure, shown_as(study, study.figure["x"])
+    x = of_x.factor * column_of(cases, figure["x"])
     fits, places = study.fits_of(figure), np.unique(x)
     identified = {fit.approach: fit.identified for fit in fits}
     symbols = [s for s in terms_of(cases) if any(s in of for of in identified.values())]
-    harmonic = [approach for approach in identified if takes_phase(approach)]
+    harmonic = [name for name in identified if name not in YARDSTICKS and takes_phase(name)]
     sharings = [name for name in SHARINGS if any(fit.sharing == name for fit in fits)]
     looks = {HARMONIC: HARMONIC_LOOK} | {approach: look_of(approach) for approach in identified}
     shown = list(_panels(study, cases))
@@ -103,12 +111,17 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
                         continue
                     curves.setdefault(sharing, {})[approach] = error
                     sizes.append(np.abs(error))
-            for sharing, errors in curves.items():
-                dashed = sharing == INDIVIDUAL and len(sharings) > 1
-                for name, error in _with_common_curve(errors, harmonic).items():
-                    offset = ([*looks].index(name) + 0.3 + 0.4 * dashed) / len(looks)
-                    fills = _draw_size(axes, x[those], error, looks[name], dashed, offset)
-                    marks.setdefault(name, set()).update(fills)
+            drawn = [
+                (name, sharing == INDIVIDUAL and len(sharings) > 1, error)
+                for sharing, errors in curves.items()
+                for name, error in _with_common_curve(errors, harmonic).items()
+            ]
+            for place, (name, dashed, error) in enumerate(drawn):
+                offset = ([*looks].index(name) + 0.3 + 0.4 * dashed) / len(looks)
+                hidden = any(_agree(error, later) for _, _, later in drawn[place + 1 :])
+                width = _BENEATH if hidden else _WIDTH
+                fills = _draw_size(axes, x[those], error, looks[name], dashed, offset, width)
+                marks.setdefault(name, set()).update(fills)
             if row == 0 and title:
                 axes.set_title(title, pad=12.0 if figure.get("marks") else 4.0)
         # %: a larger error is not drawn
@@ -117,7 +130,7 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
             _x_axis(axes, figure["x"], places, last=column == len(shown) - 1)
             decades_axis(axes, (low, ROOM * high))
             axes.tick_params(labelbottom=row == len(symbols) - 1, labelleft=column == 0)
-            _marks(axes, study, label=row == 0)
+            _marks(axes, study, of_x.factor, label=row == 0)
         panels.name_row(here[0], f"error of ${symbol}$ (%)")
     clear_labels(here)
     bounds = [
@@ -126,7 +139,7 @@ def error_curves(study: Study, cases: CasesLike) -> Figure:
         if name not in marks and not (name in harmonic and HARMONIC in marks)
     ]
     undrawn = f"; exact, and not drawn: {listed(bounds)}" if bounds else ""
-    panels.text_below(parameter(figure["x"]).label + undrawn)
+    panels.text_below(of_x.label + undrawn)
     # the approaches by colour; φ and t_s by the line; the sign
     label_of_common = ", ".join(in_maths(label_of(name)) for name in harmonic)
     shown_looks = {name: look for name, look in looks.items() if name in marks}
@@ -164,8 +177,7 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
         return dict(curves)
     errors = np.array([curves[name] for name in names])
     spread = np.ptp(np.log10(np.maximum(np.abs(errors), EXACT)), axis=0)
-    # decades: less than half a millimetre in a panel of five, so that curves would lie upon each other
-    alike = (spread < 0.05) & (np.ptp(np.sign(errors), axis=0) == 0.0)
+    alike = (spread < _APART) & (np.ptp(np.sign(errors), axis=0) == 0.0)
     brief = 1 + 2 * int(0.5 * BRIEF * alike.size)
     alike = binary_closing(np.pad(alike, brief, mode="edge"), np.ones(brief, bool))[brief:-brief]
     alike &= np.isfinite(errors).all(axis=0)
@@ -180,16 +192,23 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
     }
 
 
+def _agree(error: Array, other: Array) -> bool:
+    """Return whether two curves would lie upon each other over half of their length."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        apart = np.abs(np.log10(np.abs(error / other)))
+    return bool(np.count_nonzero(apart < _APART) > 0.5 * np.count_nonzero(np.isfinite(error)))
+
+
 def _draw_size(
-    axes: Axes, x: Array, error: Array, look: Look, dashed: bool, offset: float
+    axes: Axes, x: Array, error: Array, look: Look, dashed: bool, offset: float, width: float
 ) -> set[bool]:
     """Draw the size of an error as a curve with marks, filled where it is positive and open where it is negative, and
     return which of the two there are: True for filled ones, False for open ones.
 
     Few cases are marked each; of more, marks are spread over each stretch of one sign.   offset : of the marks from
-    those of other curves, as a share of their distance.
+    those of other curves, as a share of their distance.   width : of the curve, points.
     """
-    axes.plot(x, np.abs(error), color=look.colour, lw=0.9, ls=DASHED if dashed else "-")
+    axes.plot(x, np.abs(error), color=look.colour, lw=width, ls=DASHED if dashed else "-")
     fills = set()
     known = np.flatnonzero(np.isfinite(error))
     ends = (np.diff(known) > 1) | (np.diff(np.sign(error[known])) != 0.0)
@@ -225,7 +244,7 @@ def _panels(study: Study, cases: CasesLike) -> Iterator[tuple[str, str, Integers
         for name in dict.fromkeys(fit.phase for fit in study.fits if fit.phase):
             yield PHASE_WORDS[name], name, order
     else:
-        values, of = column_of(cases, by), parameter(by)
+        values, of = column_of(cases, by), shown_as(study, by)
         for value in dict.fromkeys(values.tolist()):
             yield of.titled(value), phase, order[values[order] == value]
 
@@ -243,10 +262,10 @@ def _x_axis(axes: Axes, name: str, places: Array, last: bool) -> None:
     axes.set_xlim(low, high)
 
 
-def _marks(axes: Axes, study: Study, label: bool) -> None:
-    """Mark the places on x that the study's figure names, above the frame."""
+def _marks(axes: Axes, study: Study, factor: float, label: bool) -> None:
+    """Mark the places on x that the study's figure names, above the frame.   factor : of values on x."""
     low, high = axes.get_xlim()
-    marks: Mapping[str, float] = study.figure.get("marks", {})
+    marks = {name: factor * value for name, value in study.figure.get("marks", {}).items()}
     for name, value in ((name, value) for name, value in marks.items() if low <= value <= high):
         axes.axvline(value, color=FAINT, lw=0.6, ls=DOTTED, zorder=0)
         if label:
@@ -268,7 +287,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
     from the number of runs, 1.96 standard errors of the size, and the 95 % interval of the coverage.
     """
     name = study.figure["x"]
-    factor = 100.0 if name == "noise" else 1.0  # a part of the signal, in %
+    of_x = shown_as(study, name)
     lines, intervals = _lines(study), "intervals" in study.columns
     along, shown = column_of(cases, name), list(_panels(study, cases))
     symbols, low = terms_of(cases), _COVERAGE + _GAP if intervals else 0.0
@@ -277,7 +296,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
         drawn = []
         for column, (title, _, those) in enumerate(shown):
             places, first = np.unique(along[those], return_index=True)
-            x, runs = factor * places, np.split(those, first[1:])
+            x, runs = of_x.factor * places, np.split(those, first[1:])
             errors = panels.panel(row, column, low)
             below = [panels.panel(row, column, 0.0, _COVERAGE)] if intervals else []
             for axes, what in zip([errors, *below], ("errors", "coverage"), strict=False):
@@ -319,8 +338,7 @@ def errors_of_runs(study: Study, cases: CasesLike) -> Figure:
         sizes = [np.asarray(line.get_ydata(), float) for axes in drawn for line in axes.lines]
         for axes in drawn:
             decades_axis(axes, decades(sizes))
-    of_x = parameter(name)
-    panels.text_below(f"{of_x.meaning} (%)" if name == "noise" else of_x.label)
+    panels.text_below(of_x.label)
     handles = []
     for label, (_, style) in zip(lines, _line_styles(lines), strict=True):
         del style["elinewidth"]
