@@ -410,7 +410,7 @@ def laws_table(found: Result[Any], most: int | None = None) -> list[tuple[str, .
 
 
 def comparison(found: Result[Any], most: int | None = None) -> list[Block]:
-    """Return what follows from a comparison of laws, and that table."""
+    """Return what follows from a comparison of laws, and the table of them."""
     if found.laws is None:
         return []
     return [Block(found.in_sentences(found.laws.findings), table=laws_table(found, most))]

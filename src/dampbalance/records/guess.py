@@ -578,10 +578,8 @@ class Guesses:
         if asked:
             may = listed([*dict.fromkeys(q for i in asked for q in self.all[i].may)], "or")
             why = [self.all[i].reason for i in asked if self.all[i].reason not in _LEVELS]
-            free = (
-                f" If it is a free decay, give {spelled('kind', 'ring-down')}."
-                if "base_" in may
-                else ""
+            free = f" If it is a free decay, give {spelled('kind', 'ring-down')}." * (
+                "base_" in may
             )
             verb = "do the columns" if len(asked) > 1 else "does the column"
             names = listed([self.names[i] for i in asked[:LISTED]])
