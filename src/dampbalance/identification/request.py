@@ -60,7 +60,9 @@ def with_stiffness_by_mass(
     for one in (identified, *further):
         found = one({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
         if math.isnan(found.mass):
-            raise ValueError(sentence(Finding("no natural frequency"), found.coordinate))
+            misread = (one for one in found.odd if one.code == "misread")
+            why = next(misread, Finding("no natural frequency"))
+            raise ValueError(sentence(why, found.coordinate))
         k *= mass / found.mass
     error = math.hypot(options["mass_standard_error_kg"] / mass, found.mass_error / found.mass)
     return {**options, "stiffness_standard_error_N_per_m": k * error}, k

@@ -16,6 +16,11 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ")
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _MANY_TIMES = 1000  # larger factors are not distinguished
+_FRACTIONS = {
+    **{2.0: "twice", 1 / 2: "half", 1 / 3: "a third of", 1 / 4: "a quarter of", 1 / 5: "a fifth of"},
+    **{1e-1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
+}
+_AS_GOOD_AS = 5e-3  # relative: a factor that differs by less from one with a name has that name
 
 
 def ten_to(exponent: int) -> str:
@@ -85,9 +90,9 @@ def signed(value: float, decimals: int = 0) -> str:
 
 
 def factor(value: float) -> str:
-    """Return a factor for a sentence: 3.2, 450, more than 1000."""
+    """Return a factor for a sentence: 3.2, 450, more than 1,000."""
     if value > _MANY_TIMES:
-        return f"more than {_MANY_TIMES}"
+        return f"more than {_MANY_TIMES:,}"
     return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
@@ -118,8 +123,11 @@ def change_text(value: float, by: float, unit: str = "") -> str:
 
 
 def times(value: float) -> str:
-    """Return how many times as large, for a sentence: 3.2 times, 450 times, more than 1000 times."""
-    return f"{factor(value)} times"
+    """Return a positive factor before what it multiplies: 1,730 times, 9.81 times, twice, half, a quarter of."""
+    for known, words in _FRACTIONS.items():
+        if abs(value / known - 1.0) < _AS_GOOD_AS:
+            return words
+    return f"{float(f'{value:.3g}'):,.15g} times" if value >= 1.0 else f"{written(value, '.3g')} times"
 
 
 def written(value: float, spec: str) -> str:

@@ -64,7 +64,7 @@ def measured_orbit(
     base = (y, -omega * motion.Y * np.sin(omega * t), -(omega**2) * y)
     clean = dict(zip(ABSOLUTE, (state.x, state.v, state.acceleration), strict=True))
     clean |= {of: clean[q] - z for of, q, z in zip(RELATIVE, ABSOLUTE, base, strict=True)}
-    clean |= dict(zip(EXCITATIONS, (y, base[2], orbit.oscillator.k * y), strict=True))
+    clean |= dict(zip(EXCITATIONS, (*base, orbit.oscillator.k * y), strict=True))
     source = source or f"simulated, Y = {motion.Y:g} {_coordinate(channels).unit('m')}"
     return _record(source, t, clean, channels, noise, _rms, seed)
 

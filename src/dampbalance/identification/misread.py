@@ -1,0 +1,109 @@
+"""Channels in a wrong unit or with a wrong sign: the factor with which records are those of an oscillator.
+
+The harmonics of a response and of its drive contradict each other where one of the two is in another unit, or its
+transducer points the other way: the loss of the fundamental asks for one ratio of them, the higher harmonics, which
+only the response has, for another. Where no oscillator responds like the records as they were read, and one does within
+their noise with exactly one of the factors between units, that is asked for. It is never applied: a response that is
+9.81 times too small and a drive that is 9.81 times too large are the same motion, with another F_k.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from ..findings.finding import UNBOUNDED, Finding
+from ..fit.nuisances import with_gain
+from ..fit.steady_search import fit_from, fit_quickly
+from ..fit.starts import starts
+from ..fit.waveforms import HarmonicProblem
+from ..law.law import Law
+from ..records.channel import ORDERS, Channel
+from ..records.record import Record
+from ..records.units import DIMENSIONS, UNITS
+from ..signals.mean_harmonics import Reading
+from ..signals.record_harmonics import RecordHarmonics
+from .causes import FRAME
+from .oscillator import CommonFit, common_fit
+
+_TURN = 2.0 * math.pi  # of a velocity from an amplitude times a frequency in Hz
+_SAME = 1e-3  # relative: one factor of two units
+_ALIKE = 0.05  # relative: factors that records do not tell apart, as of kgf and daN
+_NEAR = 0.1  # relative, of a mass: a factor of two units is farther off
+_FAR = 30.0  # times the frequency of the drive, or a part of it: no rig is driven there on purpose
+_SOFT, _TRIED = 0.01, 4  # part of the amplitudes added to errors, and evaluations: no other starts are worth a fit
+
+
+def misread(
+    common: CommonFit, records: Sequence[Record], readings: Sequence[Reading], law: Law, k: float
+) -> Iterator[Finding]:
+    """Yield a finding where one channel in another unit, or with the other sign, makes the records those of an
+    oscillator, and as they were read they are not.
+
+    common : the fit to the readings as they are.   k : N/m.
+    """
+    channels = *records[0].responses, records[0].excitation
+    turned = all(any(w.code == "exchanged" for w in of.warnings) for of in readings)
+    several = len(channels) > 2 or len({one.quantities for one in records}) > 1
+    on_base = readings[0].steady.base_mass is not None
+    if several or on_base or _sound(common, common.mass, turned):
+        return
+    what: dict[float, list[Finding]] = {}
+    if turned:
+        what[-1.0] = [Finding("turned", {"quantities": tuple(of.quantity for of in channels)})]
+    for channel, power in () if turned else zip(channels, (1.0, -1.0), strict=True):
+        for finding in _readings(channel):
+            ratio = finding.numbers["by"] ** power
+            known = next((r for r in what if abs(ratio / r - 1.0) < _SAME), ratio)
+            what.setdefault(known, []).append(finding)
+    lines = [reading.lines for reading in readings]
+    sizes = {ratio: _chi_square([with_gain(of, ratio) for of in lines], k, law) for ratio in what}
+    holds = sorted(filter(lambda ratio: math.isfinite(sizes[ratio]), sizes), key=sizes.__getitem__)
+    if not holds or any(abs(ratio / holds[0] - 1.0) > _ALIKE for ratio in holds):
+        return
+    others = [with_gain(of, holds[0]) for of in lines]
+    if _sound(common_fit(others, k, law=law, departures=False), common.mass):
+        yield Finding("misread", {"what": tuple(what[holds[0]])}, UNBOUNDED)
+
+
+def _sound(common: CommonFit, mass: float | None, turned: bool = False) -> bool:
+    """Return whether the records may be those of an oscillator that a laboratory would have, or hardly any friction
+    shows, so that nothing tells.
+
+    mass : kg, as given.   turned : whether the response leads its drive.
+    """
+    fit = common.fit
+    if fit is None:
+        return common.stuck is not None and not turned
+    far = fit.natural_frequency_hz * 2.0 * math.pi / fit.lines[0].omega
+    as_given = mass is None or abs(fit.m / mass - 1.0) < _NEAR
+    holds = common.waveforms_hold and FRAME not in common.clear
+    return holds and as_given and 1.0 / _FAR < far < _FAR
+
+
+def _readings(channel: Channel) -> Iterator[Finding]:
+    """Yield what else a channel may hold: in another unit, or of another factor of a velocity, each by how many times
+    it is larger then."""
+    dimension = DIMENSIONS[channel.coordinate.key(channel.quantity)]
+    units = [unit for unit in UNITS if unit.dimension == dimension]
+    own = next((unit for unit in units if math.isclose(unit.factor, abs(channel.factor))), None)
+    for unit in units if own else ():
+        by = unit.factor / own.factor
+        if abs(by - 1.0) > _ALIKE:
+            of = {"unit": unit.name, "read": own.name}
+            yield Finding("other unit", {"quantity": channel.quantity, "by": by, **of})
+    if ORDERS.get(channel.quantity) == 1:
+        for by in (_TURN, 1.0 / _TURN):
+            yield Finding("other scale", {"quantity": channel.quantity, "by": by})
+
+
+def _chi_square(lines: Sequence[RecordHarmonics], k: float, law: Law) -> float:
+    """Return χ² of the oscillator nearest to some records; infinite where they are not those of one."""
+    problem = HarmonicProblem(law, tuple(lines), k)
+    for start in starts(lines, k, problem.shares)[:1]:
+        near = fit_from(problem.softened(_SOFT), problem.start(start), _TRIED)
+        if near is not None and near.chi_square < problem.samples:
+            fit = fit_quickly(problem, None)
+            return fit.chi_square if fit is not None and fit.adequate else math.inf
+    return math.inf
