@@ -112,8 +112,8 @@ def checked_cycles(
     count, hertz = int(weights.sum()), omega / (2.0 * math.pi)
     if min(count, int(np.count_nonzero(weights))) < FEWEST_CYCLES:
         raise ValueError(
-            f"all channels have {count} whole usable cycles of {hertz:.5g} Hz in common, and at least {FEWEST_CYCLES} "
-            "are needed: record longer, or skip fewer (--skip-cycles)"
+            f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels, and at least "
+            f"{FEWEST_CYCLES} are needed: record longer, or skip fewer (--skip-cycles)"
             + "".join(f"; {sentence(one, coordinate)}" for one in left_out)
         )
     if count < FEW_CYCLES:
@@ -126,8 +126,8 @@ def checked_cycles(
         scatter = float(fundamental.std()) / math.sqrt(fundamental.size)
         if amplitude < SIGNIFICANT * scatter:
             raise ValueError(
-                f"{quantity} does not oscillate at the drive frequency of {hertz:.5g} Hz (amplitude {amplitude:.3g} ± "
-                f"{scatter:.2g}): name another column for it in the mapping, or raise the excitation"
+                f"{quantity} does not oscillate at the drive frequency of {hertz:.5g} Hz: amplitude {amplitude:.3g} ± "
+                f"{scatter:.2g}; name another column for it in the mapping, or raise the excitation"
             )
         if is_clipped(harmonics):
             of = {"quantity": quantity, "cycles": harmonics.clipped}
