@@ -40,7 +40,14 @@ def files(folder, drive, response, factors, units):
         ("force", "displacement", (1 / 4.44822, 1e3), ("N", "mm"), 0, {"unit": "lbf"}),
         ("base_velocity", "velocity", (1e3, 1e3), ("mm/s", "in/s"), 1, {"unit": "mm/s"}),
         # an amplitude times a frequency in Hz
-        ("base_displacement", "velocity", (1e3, 0.5e3 / math.pi), ("mm", "mm/s"), 1, {"scale": 6.28319}),
+        (
+            "base_displacement",
+            "velocity",
+            (1e3, 0.5e3 / math.pi),
+            ("mm", "mm/s"),
+            1,
+            {"scale": 6.28319},
+        ),
         # upside down
         ("base_acceleration", "acceleration", (1.0, -1.0), ("m/s²", "m/s²"), 1, {"sign": -1}),
         ("base_displacement", "relative_displacement", (-1e3, 1e3), ("mm", "mm"), 0, {"sign": -1}),
@@ -76,7 +83,11 @@ def test_nothing_is_asked_where_the_records_hold(factor):
     pairs = signals("base_acceleration", "acceleration")
     found = identify(
         [
-            {"time_s": t, "base_acceleration_m_per_s2": factor * y, "acceleration_m_per_s2": factor * x}
+            {
+                "time_s": t,
+                "base_acceleration_m_per_s2": factor * y,
+                "acceleration_m_per_s2": factor * x,
+            }
             for t, y, x in pairs
         ],
         stiffness=OSC.k,
@@ -100,7 +111,9 @@ def test_velocity_of_the_base_drives(tmp_path, base, mass, read):
     response = "displacement" if mass.startswith("x") else "velocity"
     (t, w, x), *_ = signals("base_velocity", response)
     rows = np.column_stack([t, 1e3 * w, 1e3 * x])
-    np.savetxt(tmp_path / "1.csv", rows, delimiter=",", header=f"time (s),{base},{mass}", comments="")
+    np.savetxt(
+        tmp_path / "1.csv", rows, delimiter=",", header=f"time (s),{base},{mass}", comments=""
+    )
     if read:
         (record,) = read_records(tmp_path / "1.csv")
         assert set(record) == {"base_velocity", response}

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, measured_ring_down, steady_orbit
+from dampbalance import (
+    BaseMotion,
+    Oscillator,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    steady_orbit,
+)
 
 FORCED = Oscillator(m=2.2, c=40.0, k=3100.0, K_z=190000.0, F_k=1.9)
 LOOSE = Oscillator(m=2.2, c=3.0, k=3100.0, K_z=190000.0, F_k=0.8)
@@ -45,7 +52,9 @@ def decay(sign):
         ),
         # another sensor, upside down or in g
         (
-            forced(acceleration_m_per_s2=lambda of: (2.0 * np.pi * HERTZ) ** 2 * of["displacement_m"]),
+            forced(
+                acceleration_m_per_s2=lambda of: (2.0 * np.pi * HERTZ) ** 2 * of["displacement_m"]
+            ),
             {},
             "sign: -1",
         ),

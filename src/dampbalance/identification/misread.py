@@ -11,13 +11,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 from ..findings.finding import UNBOUNDED, Finding
 from ..fit.nuisances import with_gain
-from ..fit.steady_search import fit_from, fit_quickly
 from ..fit.starts import starts
-from ..fit.waveforms import HarmonicProblem
+from ..fit.steady_search import fit_from, fit_quickly
+from ..fit.waveforms import HarmonicProblem, WaveformFit
 from ..law.law import Law
 from ..records.channel import ORDERS, Channel
 from ..records.record import Record
@@ -25,14 +24,18 @@ from ..records.units import DIMENSIONS, UNITS
 from ..signals.mean_harmonics import Reading
 from ..signals.record_harmonics import RecordHarmonics
 from .causes import FRAME
-from .oscillator import CommonFit, common_fit
+from .oscillator import CommonFit
 
 _TURN = 2.0 * math.pi  # of a velocity from an amplitude times a frequency in Hz
 _SAME = 1e-3  # relative: one factor of two units
 _ALIKE = 0.05  # relative: factors that records do not tell apart, as of kgf and daN
+_MUCH = 100.0  # of χ²: a departure beside leaves less of it than a factor of two units
 _NEAR = 0.1  # relative, of a mass: a factor of two units is farther off
 _FAR = 30.0  # times the frequency of the drive, or a part of it: no rig is driven there on purpose
-_SOFT, _TRIED = 0.01, 4  # part of the amplitudes added to errors, and evaluations: no other starts are worth a fit
+_SOFT, _TRIED = (
+    0.01,
+    4,
+)  # part of the amplitudes added to errors, and evaluations: no other starts are worth a fit
 
 
 def misread(
@@ -47,7 +50,7 @@ def misread(
     turned = all(any(w.code == "exchanged" for w in of.warnings) for of in readings)
     several = len(channels) > 2 or len({one.quantities for one in records}) > 1
     on_base = readings[0].steady.base_mass is not None
-    if several or on_base or _sound(common, common.mass, turned):
+    if several or on_base or _sound(common, turned):
         return
     what: dict[float, list[Finding]] = {}
     if turned:
@@ -58,28 +61,38 @@ def misread(
             known = next((r for r in what if abs(ratio / r - 1.0) < _SAME), ratio)
             what.setdefault(known, []).append(finding)
     lines = [reading.lines for reading in readings]
-    sizes = {ratio: _chi_square([with_gain(of, ratio) for of in lines], k, law) for ratio in what}
-    holds = sorted(filter(lambda ratio: math.isfinite(sizes[ratio]), sizes), key=sizes.__getitem__)
-    if not holds or any(abs(ratio / holds[0] - 1.0) > _ALIKE for ratio in holds):
+    fits = {r: _nearest([with_gain(of, r) for of in lines], k, law) for r in (1.0, *what)}
+    sizes = {ratio: fit.chi_square for ratio, fit in fits.items() if fit is not None}
+    best = min(sizes, key=sizes.__getitem__, default=1.0)
+    rivals = [ratio for ratio in sizes if abs(ratio / best - 1.0) > _ALIKE]
+    if best == 1.0 or any(_rivals(fits[ratio], fits[best]) for ratio in rivals):
         return
-    others = [with_gain(of, holds[0]) for of in lines]
-    if _sound(common_fit(others, k, law=law, departures=False), common.mass):
-        yield Finding("misread", {"what": tuple(what[holds[0]])}, UNBOUNDED)
+    if (fit := fits[best]) is not None and _plausible(fit, common.mass):
+        of = {"what": tuple(what[best]), "holds": bool(fit.adequate)}
+        yield Finding("misread", of, UNBOUNDED)
 
 
-def _sound(common: CommonFit, mass: float | None, turned: bool = False) -> bool:
+def _rivals(fit: WaveformFit | None, best: WaveformFit | None) -> bool:
+    """Return whether a fit may be right as well as the best: where that holds, if it does, too; otherwise, as where the
+    records have a departure beside, unless it is much farther from them."""
+    if fit is None or best is None:
+        return False
+    return fit.adequate if best.adequate else fit.chi_square < _MUCH * best.chi_square
+
+
+def _sound(common: CommonFit, turned: bool) -> bool:
     """Return whether the records may be those of an oscillator that a laboratory would have, or hardly any friction
-    shows, so that nothing tells.
-
-    mass : kg, as given.   turned : whether the response leads its drive.
-    """
+    shows, so that nothing tells.   turned : whether the response leads its drive."""
     fit = common.fit
     if fit is None:
         return common.stuck is not None and not turned
+    return common.waveforms_hold and FRAME not in common.clear and _plausible(fit, common.mass)
+
+
+def _plausible(fit: WaveformFit, mass: float | None) -> bool:
+    """Return whether a laboratory would have an oscillator.   mass : kg, as given."""
     far = fit.natural_frequency_hz * 2.0 * math.pi / fit.lines[0].omega
-    as_given = mass is None or abs(fit.m / mass - 1.0) < _NEAR
-    holds = common.waveforms_hold and FRAME not in common.clear
-    return holds and as_given and 1.0 / _FAR < far < _FAR
+    return (mass is None or abs(fit.m / mass - 1.0) < _NEAR) and 1.0 / _FAR < far < _FAR
 
 
 def _readings(channel: Channel) -> Iterator[Finding]:
@@ -98,12 +111,11 @@ def _readings(channel: Channel) -> Iterator[Finding]:
             yield Finding("other scale", {"quantity": channel.quantity, "by": by})
 
 
-def _chi_square(lines: Sequence[RecordHarmonics], k: float, law: Law) -> float:
-    """Return χ² of the oscillator nearest to some records; infinite where they are not those of one."""
+def _nearest(lines: Sequence[RecordHarmonics], k: float, law: Law) -> WaveformFit | None:
+    """Return the oscillator nearest to some records; None where none is near them."""
     problem = HarmonicProblem(law, tuple(lines), k)
     for start in starts(lines, k, problem.shares)[:1]:
         near = fit_from(problem.softened(_SOFT), problem.start(start), _TRIED)
         if near is not None and near.chi_square < problem.samples:
-            fit = fit_quickly(problem, None)
-            return fit.chi_square if fit is not None and fit.adequate else math.inf
-    return math.inf
+            return fit_quickly(problem, None)
+    return None

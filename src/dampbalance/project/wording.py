@@ -17,7 +17,13 @@ _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛ
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _MANY_TIMES = 1000  # larger factors are not distinguished
 _FRACTIONS = {
-    **{2.0: "twice", 1 / 2: "half", 1 / 3: "a third of", 1 / 4: "a quarter of", 1 / 5: "a fifth of"},
+    **{
+        2.0: "twice",
+        1 / 2: "half",
+        1 / 3: "a third of",
+        1 / 4: "a quarter of",
+        1 / 5: "a fifth of",
+    },
     **{1e-1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
 }
 _AS_GOOD_AS = 5e-3  # relative: a factor that differs by less from one with a name has that name
@@ -127,7 +133,9 @@ def times(value: float) -> str:
     for known, words in _FRACTIONS.items():
         if abs(value / known - 1.0) < _AS_GOOD_AS:
             return words
-    return f"{float(f'{value:.3g}'):,.15g} times" if value >= 1.0 else f"{written(value, '.3g')} times"
+    return (
+        f"{float(f'{value:.3g}'):,.15g} times" if value >= 1.0 else f"{written(value, '.3g')} times"
+    )
 
 
 def written(value: float, spec: str) -> str:

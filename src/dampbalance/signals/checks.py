@@ -38,7 +38,9 @@ _UNCONNECTED = (
     "the transducer was not connected, or the wrong column was read: name another in the mapping"
 )
 _TURNED = "if one of them points the other way, say sign: -1 for it in the mapping"
-_UNCALIBRATED = "check their units (unit: …, or scale: … in the mapping), or leave one of the two out of it"
+_UNCALIBRATED = (
+    "check their units (unit: …, or scale: … in the mapping), or leave one of the two out of it"
+)
 
 
 def require_signal(quantity: str, values: Array) -> None:
