@@ -9,6 +9,7 @@ their noise with exactly one of the factors between units, that is asked for. It
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 
@@ -48,9 +49,8 @@ def misread(
     """
     channels = *records[0].responses, records[0].excitation
     turned = all(any(w.code == "exchanged" for w in of.warnings) for of in readings)
-    several = len(channels) > 2 or len({one.quantities for one in records}) > 1
-    on_base = readings[0].steady.base_mass is not None
-    if several or on_base or _sound(common, turned):
+    unlike = len(channels) > 2 or len({one.quantities for one in records}) > 1
+    if unlike or readings[0].steady.base_mass is not None or _sound(common, turned):
         return
     what: dict[float, list[Finding]] = {}
     if turned:
@@ -100,8 +100,8 @@ def _readings(channel: Channel) -> Iterator[Finding]:
     it is larger then."""
     dimension = DIMENSIONS[channel.coordinate.key(channel.quantity)]
     units = [unit for unit in UNITS if unit.dimension == dimension]
-    own = next((unit for unit in units if math.isclose(unit.factor, abs(channel.factor))), None)
-    for unit in units if own else ():
+    read = [unit for unit in units if math.isclose(unit.factor, abs(channel.factor))]
+    for own, unit in itertools.product(read[:1], units):
         by = unit.factor / own.factor
         if abs(by - 1.0) > _ALIKE:
             of = {"unit": unit.name, "read": own.name}

@@ -26,7 +26,6 @@ _FRACTIONS = {
     },
     **{1e-1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
 }
-_AS_GOOD_AS = 5e-3  # relative: a factor that differs by less from one with a name has that name
 
 
 def ten_to(exponent: int) -> str:
@@ -131,7 +130,9 @@ def change_text(value: float, by: float, unit: str = "") -> str:
 def times(value: float) -> str:
     """Return a positive factor before what it multiplies: 1,730 times, 9.81 times, twice, half, a quarter of."""
     for known, words in _FRACTIONS.items():
-        if abs(value / known - 1.0) < _AS_GOOD_AS:
+        if (
+            abs(value / known - 1.0) < 5e-3
+        ):  # three digits of one that is less off are those of this
             return words
     return (
         f"{float(f'{value:.3g}'):,.15g} times" if value >= 1.0 else f"{written(value, '.3g')} times"

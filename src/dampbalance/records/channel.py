@@ -15,15 +15,11 @@ from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .equal_steps import HALF_A_STEP, uneven
 from .errors import LARGEST_VALUE, LATEST, RecordError
 
-EXCITATIONS = {
-    "base_displacement": "m",
-    "base_velocity": "m/s",
-    "base_acceleration": "m/s²",
-    "force": "N",
-}
+ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
+"""Motions of the mass against the ground."""
+EXCITATIONS = {f"base_{quantity}": unit for quantity, unit in ABSOLUTE.items()} | {"force": "N"}
 """Excitations: one of these drives the oscillator, none in a free decay; a force f stands for a base motion y = f/k."""
 
-ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}  # against the ground
 RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
 """Motions of the mass relative to the base, x − y, which a transducer between the two reads."""
 

@@ -34,9 +34,7 @@ _UNITS = {1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
 ROUNDING = 1e-9  # relative to a signal: rounding differs by less between two copies of it
 
-_UNCONNECTED = (
-    "the transducer was not connected, or the wrong column was read: name another in the mapping"
-)
+_UNCONNECTED = "the transducer was not connected, or it is another column: name it in the mapping"
 _TURNED = "if one of them points the other way, say sign: -1 for it in the mapping"
 _UNCALIBRATED = (
     "check their units (unit: …, or scale: … in the mapping), or leave one of the two out of it"

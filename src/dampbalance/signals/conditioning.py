@@ -316,8 +316,7 @@ def _harmonics_of(
         per_cycle = period / step
         if per_cycle < 12.0:
             raise ValueError(
-                f"{noun(q)}: {per_cycle:.1f} samples per cycle are too few for a third harmonic: sample at "
-                f"{12.0 / period:.3g} Hz or more"
+                f"{noun(q)}: {per_cycle:.1f} samples per cycle are too few: sample at {12.0 / period:.3g} Hz or more"
             )
         # amplifiers and shakers distort the lowest harmonics
         most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else 9
