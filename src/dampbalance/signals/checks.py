@@ -36,9 +36,7 @@ ROUNDING = 1e-9  # relative to a signal: rounding differs by less between two co
 
 _UNCONNECTED = "the transducer was not connected, or it is another column: name it in the mapping"
 _TURNED = "if one of them points the other way, say sign: -1 for it in the mapping"
-_UNCALIBRATED = (
-    "check their units (unit: …, or scale: … in the mapping), or leave one of the two out of it"
-)
+_UNCALIBRATED = "correct unit: … or scale: … of one in the mapping, or leave one of the two out"
 
 
 def require_signal(quantity: str, values: Array) -> None:
