@@ -56,7 +56,7 @@ def test_the_same_finding_on_several_records_is_one_sentence_with_its_range():
     assert said(drift, (0.035, 1e-7), SOURCES) == ["a.csv and b.csv: " + drifts.format("1·10⁻⁵")]
     assert said(drift, (0.035, 1e-7, -0.02), SOURCES) == ["all 3 records: " + drifts.format("−2")]
     (factors,) = said(worse, (450.2, 3883747.0, 12.4), SOURCES)
-    assert factors == "all 3 records: 12 to more than 1000 times worse"
+    assert factors == "all 3 records: 12 to more than 1,000 times worse"
     off = "x is 2 mm off, of no delay"
     assert said(toy, "xx", SAME_NAME) == [f"one/a.csv and two/a.csv: {off}"]
     some = "9 of 20 records (0.csv, 1.csv, 2.csv, 3.csv, 4.csv …)"

@@ -1,10 +1,10 @@
 """dampbalance identify: F_k, c and K_z from records of steady responses at several levels or of free decays, or from
 tables of a stepped sine.
 
-A record is one file per level of excitation: a channel that drives (base_displacement, base_acceleration or force) and
-at least one of the mass (displacement, velocity, acceleration; relative_displacement, … where it was measured against
-the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV, NumPy,
-JSON, spreadsheets. Where a file does not describe its channels, a small YAML file next to it does, NAME.yaml or
+A record is one file per level of excitation: a channel that drives (base_displacement, base_velocity, base_acceleration
+or force) and at least one of the mass (displacement, velocity, acceleration; relative_displacement, … where it was
+measured against the base). Formats: CSV, TSV, Parquet, MATLAB, HDF5, universal file 58, TDMS, LabVIEW's text, WAV,
+NumPy, JSON, spreadsheets. Where a file does not describe its channels, a small YAML file next to it does, NAME.yaml or
 channels.yaml; --write-mapping drafts one for you to correct.
 
   dampbalance identify level*.csv --stiffness 2310 --frequency 3.5 --output found

@@ -31,6 +31,7 @@ from ..project.wording import (
     part,
     percent,
     signed,
+    times,
     with_error,
     with_unit,
     written,
@@ -174,7 +175,7 @@ def masses(implied: float, given: float, vocabulary: Vocabulary) -> str:
     """Return records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
     ratio, off, unit = given / implied, given / implied - 1.0, vocabulary.unit("kg")
     if not 0.5 < ratio < 2.0:
-        how = f"{max(ratio, 1.0 / ratio):.3g} times as {'much' if ratio > 1.0 else 'little'}"
+        how = f"{times(ratio)} that"
         own, other = number_text(implied, 4), number_text(given, 4)
     else:
         shown = 1 - math.floor(math.log10(abs(given - implied))) if off else 4
@@ -235,12 +236,14 @@ def phrase(words: str, vocabulary: Vocabulary) -> str:
 _FORMS: Mapping[str, Callable[[Any, Vocabulary], str]] = {
     "percent": lambda value, _: part(value),
     "factor": lambda value, _: factor(value),
+    "times": lambda value, _: times(value),
     "larger": lambda value, _: larger_by(value),
     "ppm": lambda v, _: f"{signed(1e6 * v)} ppm" if abs(v) < 1e-3 else f"{signed(100.0 * v, 2)} %",
     "chance": lambda p, _: "below 1e-6" if p < 1e-6 else f"{p:.1g}",
     "p-value": lambda p, _: "p < 1e-6" if p < 1e-6 else f"p = {p:.1g}",
     "noun": lambda value, of: of.noun(value),
-    "or": lambda value, _: " or ".join(value),
+    "or": lambda value, of: " or ".join(map(of.noun, value)),
+    "any": lambda values, of: listed([sentence(one, of) for one in values], "or"),
     "symbols": _symbols,
     "models": lambda names, _: listed([MODELS.get(name, name) for name in names]),
     "law": _law,

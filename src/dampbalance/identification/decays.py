@@ -278,8 +278,8 @@ def identify_decay_records(
     for record in records:
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
-                f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
-                "and free decays are not identified together"
+                f"{record.name}: {visible(record.excitation.name)} moves, and this is no free decay: leave out --kind, "
+                "and identify forced records and free decays separately"
             )
         odd: list[Finding] = []
         channels = enumerate(record.responses, offsets)
@@ -322,9 +322,9 @@ def identify_decay_records(
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
-        why = Finding(
-            "no friction contact", {"k": k, "halves": halves, "share": fit.residual_share}
-        )
+        several = any(len(record.responses) > 1 for record in records)
+        numbers = {"k": k, "halves": halves, "share": fit.residual_share, "several": several}
+        why = Finding("no friction contact", numbers)
         names = ", ".join(dict.fromkeys(one.source for one in fit.decays))
         raise ValueError(f"{names}: {sentence(why, records[0].coordinate)}")
     rig = implied(fit, mass if agrees else None)

@@ -45,6 +45,7 @@ from .diagnosis import agreement, not_in_rows, on_records
 from .law_comparison import compare_laws
 from .level import Column, Level
 from .loading import load, require_different_levels, unclipped
+from .misread import misread
 from .oscillator import CommonFit, common_fit, with_common_fit
 from .request import read_request, with_stiffness_by_mass
 from .result import Picture, Result
@@ -312,8 +313,15 @@ def _of_records(
     )
     held = mass if outcome.basis.common.mass_taken else None
     laws = compare_laws(readings, k, mass=held, law=law) if options["laws"] else None
-    mount = of_a_mount(outcome.basis.common, records, k, masses, law, of_drive)
-    odd = (*clipped, *outcome.odd, *mount)
+    odd = (*clipped, *outcome.odd)
+    if wrong := [*misread(outcome.basis.common, records, readings, law, k)]:
+        # what the fit and the rows say, and what puts all numbers off, follows from that
+        odd = (*wrong, *(one for one in odd if one.of and one.largest < math.inf))
+        estimates = {name: replace(of, notes=()) for name, of in outcome.estimates.items()}
+        reference = outcome.reference and replace(outcome.reference, notes=())
+        outcome = replace(outcome, estimates=estimates, reference=reference)
+    else:
+        odd += (*of_a_mount(outcome.basis.common, records, k, masses, law, of_drive),)
     outcome = replace(outcome, laws=laws, records=records, options=options, odd=odd)
     return with_stated_uncertainties(outcome)
 

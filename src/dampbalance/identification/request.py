@@ -53,14 +53,16 @@ def with_stiffness_by_mass(
     identified : the identification with other options.   further : identifications that begin with that k, as of
     coefficients that are given: these are known at the true k alone.
 
-    Raises ValueError where the records determine no mass.
+    Raises ValueError where the records determine no mass, or a channel is in a wrong unit.
     """
     # k₀/m of 5 Hz, rad²/s²
     mass, k = options["mass_kg"], options["mass_kg"] * 1e3
     for one in (identified, *further):
         found = one({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
-        if math.isnan(found.mass):
-            raise ValueError(sentence(Finding("no natural frequency"), found.coordinate))
+        unknown = [Finding("no natural frequency")] * math.isnan(found.mass)
+        # a channel in a wrong unit gives a wrong frequency
+        if why := [one for one in found.odd if one.code == "misread"] or unknown:
+            raise ValueError(sentence(why[0], found.coordinate))
         k *= mass / found.mass
     error = math.hypot(options["mass_standard_error_kg"] / mass, found.mass_error / found.mass)
     return {**options, "stiffness_standard_error_N_per_m": k * error}, k

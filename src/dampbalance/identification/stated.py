@@ -54,7 +54,7 @@ def with_stated_uncertainties(found: Result[B]) -> Result[B]:
         found,
         estimates=estimates,
         reference=reference,
-        rig=[*found.rig, *filter(None, (hint, effects))],
+        rig=[*found.rig, *filter(None, (hint, Finding("gains"), effects))],
         hint=hint,
         settings={**found.settings, **settings},
     )

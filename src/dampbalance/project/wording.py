@@ -18,6 +18,16 @@ _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛ
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
 _NAME = 40  # characters of a name that are compared
 _MANY_TIMES = 1000  # larger factors are not distinguished
+_FRACTIONS = {
+    **{
+        2.0: "twice",
+        1 / 2: "half",
+        1 / 3: "a third of",
+        1 / 4: "a quarter of",
+        1 / 5: "a fifth of",
+    },
+    **{1e-1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
+}
 
 
 def ten_to(exponent: int) -> str:
@@ -87,9 +97,9 @@ def signed(value: float, decimals: int = 0) -> str:
 
 
 def factor(value: float) -> str:
-    """Return a factor for a sentence: 3.2, 450, more than 1000."""
+    """Return a factor for a sentence: 3.2, 450, more than 1,000."""
     if value > _MANY_TIMES:
-        return f"more than {_MANY_TIMES}"
+        return f"more than {_MANY_TIMES:,}"
     return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
@@ -120,8 +130,15 @@ def change_text(value: float, by: float, unit: str = "") -> str:
 
 
 def times(value: float) -> str:
-    """Return how many times as large, for a sentence: 3.2 times, 450 times, more than 1000 times."""
-    return f"{factor(value)} times"
+    """Return a positive factor before what it multiplies: 1,730 times, 9.81 times, twice, half, a quarter of."""
+    for known, words in _FRACTIONS.items():
+        if (
+            abs(value / known - 1.0) < 5e-3
+        ):  # three digits of one that is less off are those of this
+            return words
+    return (
+        f"{float(f'{value:.3g}'):,.15g} times" if value >= 1.0 else f"{written(value, '.3g')} times"
+    )
 
 
 def written(value: float, spec: str) -> str:

@@ -15,10 +15,11 @@ from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .equal_steps import HALF_A_STEP, uneven
 from .errors import LARGEST_VALUE, LATEST, RecordError
 
-EXCITATIONS = {"base_displacement": "m", "base_acceleration": "m/s²", "force": "N"}
+ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
+"""Motions of the mass against the ground."""
+EXCITATIONS = {f"base_{quantity}": unit for quantity, unit in ABSOLUTE.items()} | {"force": "N"}
 """Excitations: one of these drives the oscillator, none in a free decay; a force f stands for a base motion y = f/k."""
 
-ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}  # against the ground
 RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
 """Motions of the mass relative to the base, x − y, which a transducer between the two reads."""
 
@@ -121,6 +122,7 @@ class Channel:
     coordinate : whether it rotates; its values are in rad or N m then.
     missing : mask of the samples that the record lacks, whose values are interpolated; None for none.
     timed : whether t are times; else numbers of the samples, of a measured loop without times or of steady speeds.
+    factor : SI units per reading of the file, 9.80665 of one in g.
 
     Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
     bounds (`records/errors.py`), times that do not increase, have a gap, or are off equal steps by half a step.
@@ -134,6 +136,7 @@ class Channel:
     coordinate: Coordinate = TRANSLATION
     missing: Mask | None = None
     timed: bool = True
+    factor: float = 1.0
 
     def __post_init__(self) -> None:
         text("the name of a channel", self.name)

@@ -257,7 +257,7 @@ def _checked(file: Table, pick: Pick, values: Array, clock: Clock) -> Channel:
         samples, missing = clock.onto(signal)
         of = pick.name, pick.correction, pick.coordinate
         timed = pick.time is not None or pick.rate_hz > 0.0
-        return Channel(pick.quantity, clock.t, samples, *of, missing, timed)
+        return Channel(pick.quantity, clock.t, samples, *of, missing, timed, pick.factor)
     except ValueError as error:
         raise RecordError(f"{file.path}: {error}") from None
 

@@ -63,11 +63,10 @@ def measured_orbit(
     y, state = np.asarray(motion.y(t), dtype=np.float64), orbit.state(t)
     base = (y, -omega * motion.Y * np.sin(omega * t), -(omega**2) * y)
     clean = dict(zip(ABSOLUTE, (state.x, state.v, state.acceleration), strict=True))
-    moves = "force" not in {
-        ROTATING.get(one, one) for one in channels
-    }  # a force leaves the base at rest
+    # a force leaves the base at rest
+    moves = "force" not in {ROTATING.get(one, one) for one in channels}
     clean |= {of: clean[q] - z * moves for of, q, z in zip(RELATIVE, ABSOLUTE, base, strict=True)}
-    clean |= dict(zip(EXCITATIONS, (y, base[2], orbit.oscillator.k * y), strict=True))
+    clean |= dict(zip(EXCITATIONS, (*base, orbit.oscillator.k * y), strict=True))
     source = source or f"simulated, Y = {motion.Y:g} {_coordinate(channels).unit('m')}"
     return _record(source, t, clean, channels, noise, _rms, seed)
 

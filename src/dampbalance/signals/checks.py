@@ -34,7 +34,9 @@ _UNITS = {1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
 ROUNDING = 1e-9  # relative to a signal: rounding differs by less between two copies of it
 
-_UNCONNECTED = "the transducer was not connected, or the wrong column was read"
+_UNCONNECTED = "the transducer was not connected, or it is another column: name it in the mapping"
+_TURNED = "if one of them points the other way, say sign: -1 for it in the mapping"
+_UNCALIBRATED = "correct unit: … or scale: … of one in the mapping, or leave one of the two out"
 
 
 def require_signal(quantity: str, values: Array) -> None:
@@ -108,8 +110,8 @@ def checked_cycles(
     count, hertz = int(weights.sum()), omega / (2.0 * math.pi)
     if min(count, int(np.count_nonzero(weights))) < FEWEST_CYCLES:
         raise ValueError(
-            f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels; at least "
-            f"{FEWEST_CYCLES} are needed"
+            f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels, and at least "
+            f"{FEWEST_CYCLES} are needed: record longer, or skip fewer (--skip-cycles)"
             + "".join(f"; {sentence(one, coordinate)}" for one in left_out)
         )
     if count < FEW_CYCLES:
@@ -123,7 +125,7 @@ def checked_cycles(
         if amplitude < SIGNIFICANT * scatter:
             raise ValueError(
                 f"{quantity} does not oscillate at the drive frequency of {hertz:.5g} Hz: amplitude {amplitude:.3g} ± "
-                f"{scatter:.2g}"
+                f"{scatter:.2g}; name another column for it in the mapping, or raise the excitation"
             )
         if is_clipped(harmonics):
             of = {"quantity": quantity, "cycles": harmonics.clipped}
@@ -158,9 +160,8 @@ def consistency(
         if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > 0.5:
             raise ValueError(
                 f"{names['quantity']} contradicts {names['other']}: at the drive frequency it shows {gain:.4g} times "
-                "the motion, "
-                f"{signed(math.degrees(phase), 1)}° apart; check units, sign and calibration, or leave one of the two "
-                "out"
+                f"the motion, {signed(math.degrees(phase), 1)}° apart; "
+                f"{_TURNED if abs(phase) > 0.75 * math.pi else _UNCALIBRATED}"
             )
         late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)
         # F_k and c are as wrong as the gain

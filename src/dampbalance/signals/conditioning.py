@@ -4,7 +4,8 @@ Each channel is worked on in its own times: nothing is resampled. The drive freq
 harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the offset is removed with what it adds to
 the harmonics. Harmonics are then turned into those of displacements,
 
-    y_n = −a_n/(nω)²   of a base acceleration,      y_n = f_n/k   of a force,
+    y_n = v_n/(inω)    of a base velocity,          y_n = −a_n/(nω)²   of a base acceleration,
+    y_n = f_n/k        of a force,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
     x_n = y_n + r_n    of a motion r relative to the base,
 
@@ -315,7 +316,7 @@ def _harmonics_of(
         per_cycle = period / step
         if per_cycle < 12.0:
             raise ValueError(
-                f"{noun(q)}: {per_cycle:.1f} samples per cycle are too few; at least 12 are needed for a third harmonic"
+                f"{noun(q)}: {per_cycle:.1f} samples per cycle are too few: sample at {12.0 / period:.3g} Hz or more"
             )
         # amplifiers and shakers distort the lowest harmonics
         most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else 9

@@ -145,7 +145,7 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
         if cycles < FEWEST_CYCLES:
             raise ValueError(
                 f"the signal is {t[-1] - t[0]:.4g} s long, {cycles} whole cycles of its {hertz:.4g} Hz; at "
-                f"least {FEWEST_CYCLES} are needed"
+                f"least {FEWEST_CYCLES} are needed: record longer"
             )
         highest = min(3, math.floor(per_cycle / 4.0))
         if highest < 1:

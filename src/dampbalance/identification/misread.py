@@ -1,0 +1,121 @@
+"""Channels in a wrong unit or with a wrong sign: the factor with which records are those of an oscillator.
+
+The harmonics of a response and of its drive contradict each other where one of the two is in another unit, or its
+transducer points the other way: the loss of the fundamental asks for one ratio of them, the higher harmonics, which
+only the response has, for another. Where no oscillator responds like the records as they were read, and one does within
+their noise with exactly one of the factors between units, that is asked for. It is never applied: a response that is
+9.81 times too small and a drive that is 9.81 times too large are the same motion, with another F_k.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+from ..findings.finding import UNBOUNDED, Finding
+from ..fit.nuisances import with_gain
+from ..fit.starts import starts
+from ..fit.steady_search import fit_from, fit_quickly
+from ..fit.waveforms import HarmonicProblem, WaveformFit
+from ..law.law import Law
+from ..records.channel import ORDERS, Channel
+from ..records.record import Record
+from ..records.units import DIMENSIONS, UNITS
+from ..signals.mean_harmonics import Reading
+from ..signals.record_harmonics import RecordHarmonics
+from .causes import FRAME
+from .oscillator import CommonFit
+
+_TURN = 2.0 * math.pi  # of a velocity from an amplitude times a frequency in Hz
+_SAME = 1e-3  # relative: one factor of two units
+_ALIKE = 0.05  # relative: factors that records do not tell apart, as of kgf and daN
+_MUCH = 100.0  # of χ²: a departure beside leaves less of it than a factor of two units
+_NEAR = 0.1  # relative, of a mass: a factor of two units is farther off
+_FAR = 30.0  # times the frequency of the drive, or a part of it: no rig is driven there on purpose
+_SOFT, _TRIED = (
+    0.01,
+    4,
+)  # part of the amplitudes added to errors, and evaluations: no other starts are worth a fit
+
+
+def misread(
+    common: CommonFit, records: Sequence[Record], readings: Sequence[Reading], law: Law, k: float
+) -> Iterator[Finding]:
+    """Yield a finding where one channel in another unit, or with the other sign, makes the records those of an
+    oscillator, and as they were read they are not.
+
+    common : the fit to the readings as they are.   k : N/m.
+    """
+    channels = *records[0].responses, records[0].excitation
+    turned = all(any(w.code == "exchanged" for w in of.warnings) for of in readings)
+    unlike = len(channels) > 2 or len({one.quantities for one in records}) > 1
+    if unlike or readings[0].steady.base_mass is not None or _sound(common, turned):
+        return
+    what: dict[float, list[Finding]] = {}
+    if turned:
+        what[-1.0] = [Finding("turned", {"quantities": tuple(of.quantity for of in channels)})]
+    for channel, power in () if turned else zip(channels, (1.0, -1.0), strict=True):
+        for finding in _readings(channel):
+            ratio = finding.numbers["by"] ** power
+            known = next((r for r in what if abs(ratio / r - 1.0) < _SAME), ratio)
+            what.setdefault(known, []).append(finding)
+    lines = [reading.lines for reading in readings]
+    fits = {r: _nearest([with_gain(of, r) for of in lines], k, law) for r in (1.0, *what)}
+    sizes = {ratio: fit.chi_square for ratio, fit in fits.items() if fit is not None}
+    best = min(sizes, key=sizes.__getitem__, default=1.0)
+    rivals = [ratio for ratio in sizes if abs(ratio / best - 1.0) > _ALIKE]
+    if best == 1.0 or any(_rivals(fits[ratio], fits[best]) for ratio in rivals):
+        return
+    if (fit := fits[best]) is not None and _plausible(fit, common.mass):
+        of = {"what": tuple(what[best]), "holds": bool(fit.adequate)}
+        yield Finding("misread", of, UNBOUNDED)
+
+
+def _rivals(fit: WaveformFit | None, best: WaveformFit | None) -> bool:
+    """Return whether a fit may be right as well as the best: where that holds, if it does, too; otherwise, as where the
+    records have a departure beside, unless it is much farther from them."""
+    if fit is None or best is None:
+        return False
+    return fit.adequate if best.adequate else fit.chi_square < _MUCH * best.chi_square
+
+
+def _sound(common: CommonFit, turned: bool) -> bool:
+    """Return whether the records may be those of an oscillator that a laboratory would have, or hardly any friction
+    shows, so that nothing tells.   turned : whether the response leads its drive."""
+    fit = common.fit
+    if fit is None:
+        return common.stuck is not None and not turned
+    return common.waveforms_hold and FRAME not in common.clear and _plausible(fit, common.mass)
+
+
+def _plausible(fit: WaveformFit, mass: float | None) -> bool:
+    """Return whether a laboratory would have an oscillator.   mass : kg, as given."""
+    far = fit.natural_frequency_hz * 2.0 * math.pi / fit.lines[0].omega
+    return (mass is None or abs(fit.m / mass - 1.0) < _NEAR) and 1.0 / _FAR < far < _FAR
+
+
+def _readings(channel: Channel) -> Iterator[Finding]:
+    """Yield what else a channel may hold: in another unit, or of another factor of a velocity, each by how many times
+    it is larger then."""
+    dimension = DIMENSIONS[channel.coordinate.key(channel.quantity)]
+    units = [unit for unit in UNITS if unit.dimension == dimension]
+    read = [unit for unit in units if math.isclose(unit.factor, abs(channel.factor))]
+    for own, unit in itertools.product(read[:1], units):
+        by = unit.factor / own.factor
+        if abs(by - 1.0) > _ALIKE:
+            of = {"unit": unit.name, "read": own.name}
+            yield Finding("other unit", {"quantity": channel.quantity, "by": by, **of})
+    if ORDERS.get(channel.quantity) == 1:
+        for by in (_TURN, 1.0 / _TURN):
+            yield Finding("other scale", {"quantity": channel.quantity, "by": by})
+
+
+def _nearest(lines: Sequence[RecordHarmonics], k: float, law: Law) -> WaveformFit | None:
+    """Return the oscillator nearest to some records; None where none is near them."""
+    problem = HarmonicProblem(law, tuple(lines), k)
+    for start in starts(lines, k, problem.shares)[:1]:
+        near = fit_from(problem.softened(_SOFT), problem.start(start), _TRIED)
+        if near is not None and near.chi_square < problem.samples:
+            return fit_quickly(problem, None)
+    return None
