@@ -413,13 +413,14 @@ def _checked(found: Result[ForcedBasis]) -> tuple[Finding, list[Finding]]:
     corrected = [name for name in ("gain", "delay") if name in lacks and name in clear]
     if corrected and common.fit is not None and direct.balance is not None:
         gain, late = common.fit.value("gain"), common.fit.value("delay")
-        fault = Fault("as fitted", drive=-gain / (1.0 + gain), late=-late)
+        means = [
+            one.mean.delayed(-late * one.steady.omega, one.steady.added).changed(
+                *(1.0 / (1.0 + gain), 1.0, 0.0, 1.0), one.steady.added
+            )
+            for one in readings
+        ]
         # the fit has both already: none of its unknowns moves
-        features = features_of(
-            readings,
-            [_with_fault(one, fault) for one in readings],
-            np.zeros((common.fit.point.size, 1)),
-        )
+        features = features_of(readings, means, np.zeros((common.fit.point.size, 1)))
         rows = rows_of(features[:, 0], found.basis.law, found.k, frictionless=common.frictionless)
         values = solved_again(rows, direct.balance.errors)
         moved = {s: p.at(values.get(s, p.value)) for s, p in direct.parameters.items()}

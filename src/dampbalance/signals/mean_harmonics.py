@@ -69,11 +69,22 @@ class Means:
         names = [part.name for part in fields(self)]
         return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
 
+    def delayed(self, turn: float, of_base: float = 0.0) -> Means:
+        """Return the means of a response that lags by `turn`, rad at the drive frequency, n times that at harmonic n.
+
+        of_base : as for `changed`.
+        """
+        added = np.zeros_like(self.x)
+        added[:, 0] = self.Y * of_base
+        odd, even = (np.arange(of.shape[1]) for of in (self.x, self.even))
+        x = (self.x - added) * np.exp(-1j * turn * (2 * odd + 1)) + added
+        return replace(self, x=x, even=self.even * np.exp(-1j * turn * (2 * even + 2)))
+
     def changed(
         self, drive: float, response: float, turn: float, lever: float, of_base: float = 0.0
     ) -> Means:
         """Return the means of base and response times the factors `drive` and `response`, the response turned by
-        `turn`, rad at the drive frequency, n times that at harmonic n.
+        `turn`, rad at the drive frequency, n times that at harmonic n, to first order.
 
         lever : factor of what the drive does, the motion of the base by itself staying as it is.
         of_base : how many times the fundamental of the base was added to what was measured of the response.
@@ -83,7 +94,7 @@ class Means:
 
         def turned(x: Complexes, lowest: int) -> Complexes:
             n = lowest + 2 * np.arange(x.shape[1])
-            return np.asarray(x * response * np.exp(-1j * turn * n))
+            return np.asarray(x * response * (1.0 - 1j * turn * n))
 
         x, driven = turned(self.x - added, 1) + added * drive, drive * lever
         return Means(self.Y * driven, x, turned(self.even, 2), self.base * driven, self.bias)
