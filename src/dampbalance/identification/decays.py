@@ -272,7 +272,7 @@ def identify_decay_records(
     for record in records:
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
-                f"{record.name}: {visible(record.excitation.name)} moves, and this is no free decay: leave out --kind, "
+                f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay; leave out --kind, "
                 "and identify forced records and free decays separately"
             )
         odd: list[Finding] = []
