@@ -278,8 +278,8 @@ def identify_decay_records(
     for record in records:
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
-                f"{record.name}: {visible(record.excitation.name)} moves, and this is no free decay: leave out --kind, "
-                "and identify forced records and free decays separately"
+                f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
+                "and free decays are not identified together: leave out --kind, or give them separately"
             )
         odd: list[Finding] = []
         channels = enumerate(record.responses, offsets)
