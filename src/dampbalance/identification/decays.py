@@ -26,6 +26,7 @@ from ..fit.scattering_mean import ScatteringMean
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..fit.select import REFITTED, Selection
 from ..project.options import Stated, options_of, with_options
+from ..project.spelling import spelled
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
 from ..records.coordinate import ROTATION
@@ -279,7 +280,8 @@ def identify_decay_records(
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
                 f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
-                "and free decays are not identified together: leave out --kind, or give them separately"
+                f"and free decays are not identified together: leave out {spelled('kind', 'ring-down')}, or give them "
+                "separately"
             )
         odd: list[Finding] = []
         channels = enumerate(record.responses, offsets)
