@@ -279,7 +279,7 @@ def identify_decay_records(
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
                 f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
-                "and free decays are not identified together: leave out --kind, or give them separately"
+                "and free decays are not identified together: give each kind alone, and leave it to be recognised"
             )
         odd: list[Finding] = []
         channels = enumerate(record.responses, offsets)
