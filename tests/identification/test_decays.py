@@ -54,7 +54,9 @@ def plucked(**options):
 
 
 def test_the_motion_drawn_is_that_of_the_oscillator_where_a_hum_is_left_out_of_the_fit():
-    decay = measured_ring_down(OSCILLATOR, x=0.01, rate_hz=1000.0, duration=2.0, noise=0.001, seed=5)
+    decay = measured_ring_down(
+        OSCILLATOR, x=0.01, rate_hz=1000.0, duration=2.0, noise=0.001, seed=5
+    )
     table = decay.to_frame()
     table["displacement_m"] += 1e-4 * np.sin(2.0 * np.pi * 90.0 * table.index)
     found = identify(table, PLUCKED.k)

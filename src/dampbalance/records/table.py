@@ -218,10 +218,10 @@ if TYPE_CHECKING:
 def signals_file(name: str, signals: Signals | Table) -> Table:
     """Return signals in memory as a table of that name.
 
-    signals : a table of pandas, whose index is a column as well if it has a name or holds points in time; an array with named fields, or one of
-    columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as plain numbers. An array
-    of several signals is as many channels, y[1], y[2], …, along its longer side. Points in time are read as s from the
-    first on. Or a table already made.
+    signals : a table of pandas, whose index is a column as well if it has a name or holds points in time; an array with
+    named fields, or one of columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as
+    plain numbers. An array of several signals is as many channels, y[1], y[2], …, along its longer side. Points in time
+    are read as s from the first on. Or a table already made.
 
     Raises RecordError for an array that holds no signals.
     """
