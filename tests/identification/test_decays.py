@@ -53,6 +53,21 @@ def plucked(**options):
     return identify_decay_records([record(PLUCKED)[0]], PLUCKED.k, **options)
 
 
+def test_the_motion_drawn_is_that_of_the_oscillator_where_a_hum_is_left_out_of_the_fit():
+    decay = measured_ring_down(
+        OSCILLATOR, x=0.01, rate_hz=1000.0, duration=2.0, noise=0.001, seed=5
+    )
+    table = decay.to_frame()
+    table["displacement_m"] += 1e-4 * np.sin(2.0 * np.pi * 90.0 * table.index)
+    found = identify(table, PLUCKED.k)
+    assert found.basis.fit.problem.band is not None
+    axes, below, *_ = found.plot("decays")
+    samples, motion = (line.get_ydata() for line in axes.get_lines()[:2])
+    # the hum has 28 times the frequency of the motion
+    assert np.std(np.diff(motion, 3)) < 0.1 * np.std(np.diff(samples, 3))
+    assert np.std(below.get_lines()[0].get_ydata()) > 1.0
+
+
 @pytest.mark.parametrize("index", [10, 13])
 def test_decays_do_not_overlap_and_none_is_that_of_a_hand(index):
     """Strikes of another seed, a hand pulling the mass from one to the next, which moves like half a cycle."""

@@ -156,16 +156,17 @@ def test_an_option_in_a_sentence_is_one():
 
 
 def test_a_remedy_can_be_typed_where_it_is_read(tmp_path, capsys):
-    """The stiffness with the uncertainty that the screen proposes is taken, and the remedy is gone."""
+    """The stiffness with the uncertainty that is proposed is taken, and the remedy is gone."""
     file, k = tmp_path / "swing.csv", 1e6 * SWUNG.k
+    command = ["identify", str(file), "--details"]
     decay().to_frame().to_csv(file)
     argument = re.search(r'stiffness=("[^"]*")', plain(identify(file, k).text()))[1]
     assert "state their" not in identify(file, ast.literal_eval(argument)).text()
-    assert main(["identify", str(file), "--stiffness", f"{k:g}", "--details"]) == 0
+    assert main([*command, "--stiffness", f"{k:g}"]) == 0
     said = plain(capsys.readouterr().out)
     assert "stiffness=" not in said
     typed = re.search(r'--stiffness "[^"]*"', said)[0]
-    assert main(["identify", str(file), *shlex.split(typed), "--details"]) == 0
+    assert main([*command, *shlex.split(typed)]) == 0
     assert "state their" not in capsys.readouterr().out
 
 

@@ -87,6 +87,7 @@ def test_a_limit_that_physics_forbids_is_none(symbol, interval, known):
         (replace(SOUND, notes=(NOTED,)), "usable within 0.96 %", []),
         (UNSOLVED, "none", [TOY]),
         (with_parameters(K_z=UNKNOWN), f"{BOTH}; none: K_z", ["undetermined"]),
+        (with_parameters(F_k=UNKNOWN), "usable within 0.96 %: c, K_z; none: F_k", []),
         (with_parameters(K_z=LIMIT), f"{BOTH}; doubtful: K_z", ["lower limit"]),
         (with_parameters(K_z=parameter(1.28, 0.63)), f"{BOTH}; usable within 49 %: K_z", []),
         (with_parameters(K_z=WIDE), f"{BOTH}; doubtful: K_z", ["wide"]),

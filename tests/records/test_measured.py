@@ -87,7 +87,8 @@ def test_points_in_time_are_seconds_from_the_first():
     zones = pd.to_datetime("2026-03-29T01:59:59+01:00") + pd.to_timedelta(T, unit="s")
     for stamps in (zones, zones.tz_convert(None), pd.to_timedelta(T, unit="s")):
         frame = pd.DataFrame(ARRAYS | {"time_s": 0.0}, index=stamps).drop(columns="time_s")
-        assert same(read_records(frame.rename_axis("time"))[0], exact=1e-9)  # stamps are in ns
+        for index in (frame.rename_axis("time"), frame):
+            assert same(read_records(index)[0], exact=1e-9)  # stamps are in ns
 
 
 def test_what_the_caller_does_later_to_an_array_changes_no_record():

@@ -56,8 +56,7 @@ plt.show()
 # %% [markdown]
 # ## Identify
 #
-# The stiffness of the spring is needed, with its uncertainty: it was measured statically. The mass is optional
-# and tests it.
+# The stiffness of the spring is needed, measured statically. The mass is optional and tests it.
 
 # %%
 found = identify(records, stiffness=2310.0, mass=2.42)

@@ -91,7 +91,7 @@ def run(options: argparse.Namespace) -> bool:
         places.append(str(document))
     if folder is not None:
         files = result.save(folder, figures=not options.no_figures, overwrite=options.overwrite)
-        names = [file.name for file in files if file.name not in ALL_PICTURES]
+        names = [of.name for of in files if of.name not in ALL_PICTURES or of.name == REPORT]
         pictures = [f"{len(files) - len(names)} pictures"] * (len(files) > len(names))
         places.append(f"{folder}: {listed([*names, *pictures])}")
         drawn = "" if options.no_figures else (folder / REPORT).read_text(encoding="utf-8")

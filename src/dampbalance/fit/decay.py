@@ -490,11 +490,17 @@ class DecayFit(OscillatorFit):
         one = self.decays[i]
         return one.start + self.sticks_from(i, end) + _AFTER_REST * one.period
 
-    def residuals(self) -> list[tuple[int, Signal, Array]]:
-        """Return the number of the decay, channel and residual of each channel of each decay."""
+    def residuals(self, *, of_samples: bool = False) -> list[tuple[int, Signal, Array]]:
+        """Return the number of the decay, channel and residual of each channel of each decay.
+
+        of_samples : whether that of the samples as they are, also where the fit is one in the band of the mode.
+        """
+        residual = self.residual
+        if of_samples and self.problem.band is not None:
+            residual = replace(self.problem, band=None).columns(self.point)[:, -1]
         channels = [(i, signal) for i, one in enumerate(self.decays) for signal in one.signals]
         ends = np.cumsum([signal.t.size for _, signal in channels])
-        return [(*channels[j], r) for j, r in enumerate(np.split(self.residual, ends[:-1]))]
+        return [(*channels[j], r) for j, r in enumerate(np.split(residual, ends[:-1]))]
 
     @cached_property
     def chance(self) -> float:

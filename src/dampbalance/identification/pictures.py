@@ -230,7 +230,7 @@ def decays(fit: DecayFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) 
     """
     # 24 panels at most
     shown = fit.decays[:24]
-    last_channel = {i: (signal, residual) for i, signal, residual in fit.residuals()}
+    last_channel = {i: (signal, residual) for i, signal, residual in fit.residuals(of_samples=True)}
     figure, panels = _panels([one.source for one in shown], 30.0, 12.0, below=11.0)
     for i, one in enumerate(shown):
         (axes, below), (signal, residual) = panels[i], last_channel[i]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -128,8 +129,8 @@ def _caption(found: Result[Any], name: str) -> str:
 
 
 def rich(text: str) -> Markup:
-    """Return the text of a sentence or a symbol, its symbols set."""
-    return Markup(in_html(text))
+    """Return the text of a sentence or a symbol, its symbols and the options of a command set."""
+    return Markup(re.sub(r"--[a-z][a-z-]*", r"<code>\g<0></code>", in_html(text)))
 
 
 _NAMES = {

@@ -310,7 +310,10 @@ def in_one(verdicts: Mapping[str, Verdict], coordinate: Coordinate) -> str:
         roughly = one.verdict == USABLE and math.isfinite(one.within) and one.within > USELESS
         by_word.setdefault((one.verdict, roughly), []).append(symbol)
     parts = []
-    for (word, _), symbols in by_word.items():
+    doubts = [of for of in by_word if of[0] != USABLE]
+    # a reason that follows is that of the first doubt, which therefore stands last
+    for word, roughly in [*(of for of in by_word if of not in doubts), *doubts[::-1]]:
+        symbols = by_word[word, roughly]
         sizes = [within for s in symbols if math.isfinite(within := verdicts[s].within)]
         size = f" within {part(max(sizes))}" if word == USABLE and sizes else ""
         of = ", ".join(map(coordinate.symbol, symbols))

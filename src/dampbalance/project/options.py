@@ -163,8 +163,8 @@ def asked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
     given = {}
     for name, value in options.items():
         if name not in OPTIONS:
-            near = did_you_mean(name, [*OPTIONS, "kind"])
-            raise TypeError(f"an identification got an unexpected keyword argument {name!r}{near}")
+            near = did_you_mean(name, [*OPTIONS, "kind"]) or ": help(identify) shows all"
+            raise TypeError(f"unexpected keyword argument {name!r}{near}")
         default = OPTIONS[name].default
         if value is not default and not (type(value) is type(default) and value == default):
             if kind in IN_WORDS and (words := OPTIONS[name].misplaced(kind)):

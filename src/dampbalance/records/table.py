@@ -218,10 +218,10 @@ if TYPE_CHECKING:
 def signals_file(name: str, signals: Signals | Table) -> Table:
     """Return signals in memory as a table of that name.
 
-    signals : a table of pandas, whose index is a column as well if it has a name; an array with named fields, or one of
-    columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as plain numbers. An array
-    of several signals is as many channels, y[1], y[2], …, along its longer side. Points in time are read as s from the
-    first on. Or a table already made.
+    signals : a table of pandas, whose index is a column as well if it has a name or holds points in time; an array with
+    named fields, or one of columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as
+    plain numbers. An array of several signals is as many channels, y[1], y[2], …, along its longer side. Points in time
+    are read as s from the first on. Or a table already made.
 
     Raises RecordError for an array that holds no signals.
     """
@@ -255,7 +255,9 @@ def _flat(held: Any, name: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the signals in a table, a mapping or the fields of an array, those in these by their paths."""
     if _is_frame(held):
         stated = {k: v for k, v in held.attrs.items() if str(k).lower() in TIMING_NAMES}
-        frame = held if held.index.name is None else held.reset_index(allow_duplicates=True)
+        timed = held.index.dtype.kind in "mM"  # points in time, which need no name
+        named = timed or held.index.name is not None
+        frame = held.reset_index(allow_duplicates=True) if named else held
         names = [str(of) for of in frame.columns]
         if twice := [of for of in names if names.count(of) > 1]:
             remedy = "give each its own name"
