@@ -280,7 +280,7 @@ def identify_decay_records(
         if record.driven and not stands_still(record.excitation.values):
             raise ValueError(
                 f"{record.name}: {visible(record.excitation.name)} moves: this is no free decay, and forced records "
-                f"and free decays are not identified together: give each kind alone, without {spelled('kind', 'ring-down')}"
+                f"and free decays are not identified together: give each alone, without {spelled('kind', 'ring-down')}"
             )
         odd: list[Finding] = []
         channels = enumerate(record.responses, offsets)
