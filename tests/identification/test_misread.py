@@ -1,15 +1,26 @@
-"""Channels in a wrong unit or with a wrong sign are asked for by name, and the remedy that is named gives the truth."""
+"""Channels in a wrong unit or with a wrong sign are asked for by name, and the remedy that is named gives the truth;
+what is refused names the key or the option that helps."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, read_records, steady_orbit
+from dampbalance import (
+    BaseMotion,
+    Oscillator,
+    identify,
+    measured_orbit,
+    measured_ring_down,
+    read_records,
+    steady_orbit,
+)
 
 OSC = Oscillator(m=1.9, c=31.0, k=2900.0, K_z=160000.0, F_k=1.7)
 OMEGA = 2.0 * math.pi * 5.5
 LEVELS = 0.0021, 0.0038, 0.0066
+TURN = 6.28319  # 2π as it is shown
 
 
 def signals(drive, response, noise=0.004):
@@ -40,14 +51,7 @@ def files(folder, drive, response, factors, units):
         ("force", "displacement", (1 / 4.44822, 1e3), ("N", "mm"), 0, {"unit": "lbf"}),
         ("base_velocity", "velocity", (1e3, 1e3), ("mm/s", "in/s"), 1, {"unit": "mm/s"}),
         # an amplitude times a frequency in Hz
-        (
-            "base_displacement",
-            "velocity",
-            (1e3, 0.5e3 / math.pi),
-            ("mm", "mm/s"),
-            1,
-            {"scale": 6.28319},
-        ),
+        ("base_displacement", "velocity", (1e3, 500 / math.pi), ("mm", "mm/s"), 1, {"scale": TURN}),
         # upside down
         ("base_acceleration", "acceleration", (1.0, -1.0), ("m/s²", "m/s²"), 1, {"sign": -1}),
         ("base_displacement", "relative_displacement", (-1e3, 1e3), ("mm", "mm"), 0, {"sign": -1}),
@@ -80,18 +84,10 @@ def test_named_channel_with_the_remedy_gives_the_truth(
 @pytest.mark.parametrize("factor", [1.0, 9.80665])
 def test_nothing_is_asked_where_the_records_hold(factor):
     # both channels alike: no record shows it, and F_k is in proportion
+    of, drive = "acceleration_m_per_s2", "base_acceleration_m_per_s2"
     pairs = signals("base_acceleration", "acceleration")
-    found = identify(
-        [
-            {
-                "time_s": t,
-                "base_acceleration_m_per_s2": factor * y,
-                "acceleration_m_per_s2": factor * x,
-            }
-            for t, y, x in pairs
-        ],
-        stiffness=OSC.k,
-    )
+    tables = [{"time_s": t, drive: factor * y, of: factor * x} for t, y, x in pairs]
+    found = identify(tables, stiffness=OSC.k)
     assert not any(one.code == "misread" for one in found.findings)
     assert any(one.code == "gains" for one in found.rig)
     error = 3.0 * found.standard_errors["F_k"]
@@ -132,3 +128,40 @@ def test_velocities_of_base_and_mass_give_the_truth():
         error = 3.0 * found.standard_errors[symbol]
         assert found.values[symbol] == pytest.approx(getattr(OSC, symbol), abs=error)
         assert found.verdicts[symbol].verdict == "usable"
+
+
+# --- refusals --------------------------------------------------------------------------------------
+
+T, Y, X = next(signals("base_displacement", "displacement"))
+FORCED = {"time_s": T, "base_displacement_m": Y, "displacement_m": X}
+STILL, A = {**FORCED, "base_displacement_m": 0.0 * Y}, -(OMEGA**2) * X
+
+
+def decay():
+    """A free decay whose accelerometer is upside down."""
+    of = {"x": 0.008, "rate_hz": 1200.0, "duration": 2.5, "noise": 0.001}
+    sensors = "displacement", "acceleration"
+    x, a = measured_ring_down(
+        replace(OSC, c=3.0, F_k=0.8), channels=sensors, **of
+    ).channels.values()
+    return {"time_s": x.t, "displacement_m": x.values, "acceleration_m_per_s2": -a.values}
+
+
+@pytest.mark.parametrize(
+    ("table", "options", "named"),
+    [
+        (FORCED, {"frequency": 6.0}, "frequency="),
+        (FORCED, {"skip_cycles": 20}, "skip_cycles="),
+        (FORCED, {"kind": "ring-down"}, "kind="),
+        # a drive that stands still beside a motion that does not die out
+        (STILL, {}, "in a mapping"),
+        (STILL, {"kind": "forced"}, "kind="),
+        # another sensor, upside down or in g
+        ({**FORCED, "acceleration_m_per_s2": -A}, {}, "sign: -1"),
+        ({**FORCED, "acceleration_g": A}, {}, "unit: "),
+        (decay(), {}, "sign: -1"),
+    ],
+)
+def test_a_refusal_names_what_helps(table, options, named):
+    with pytest.raises(ValueError, match=named):
+        identify(table, stiffness=OSC.k, **options)

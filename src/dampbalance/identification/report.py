@@ -132,12 +132,8 @@ def rich(text: str) -> Markup:
     return Markup(in_html(text))
 
 
-_NAMES = {
-    "K_z": "contact stiffness",
-    "m": "mass",
-    "f_n": "natural frequency",
-    "zeta": "damping ratio",
-}
+_NAMES = {"K_z": "contact stiffness", "m": "mass", "f_n": "natural frequency"}
+_NAMES |= {"zeta": "damping ratio"}
 
 
 def _known(value: float | None) -> float:

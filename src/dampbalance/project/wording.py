@@ -132,13 +132,11 @@ def change_text(value: float, by: float, unit: str = "") -> str:
 def times(value: float) -> str:
     """Return a positive factor before what it multiplies: 1,730 times, 9.81 times, twice, half, a quarter of."""
     for known, words in _FRACTIONS.items():
-        if (
-            abs(value / known - 1.0) < 5e-3
-        ):  # three digits of one that is less off are those of this
+        # three digits of one that is less off are those of this
+        if abs(value / known - 1.0) < 5e-3:
             return words
-    return (
-        f"{float(f'{value:.3g}'):,.15g} times" if value >= 1.0 else f"{written(value, '.3g')} times"
-    )
+    shown = f"{float(f'{value:.3g}'):,.15g}" if value >= 1.0 else written(value, ".3g")
+    return f"{shown} times"
 
 
 def written(value: float, spec: str) -> str:

@@ -17,6 +17,7 @@ from scipy import special
 from ..arrays import Array, Complexes
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
+from ..project.spelling import spelled
 from ..project.wording import signed
 from ..records.coordinate import TRANSLATION, Coordinate
 from .cycles import FEWEST_CYCLES, CycleHarmonics
@@ -111,7 +112,7 @@ def checked_cycles(
     if min(count, int(np.count_nonzero(weights))) < FEWEST_CYCLES:
         raise ValueError(
             f"only {count} usable whole cycles of {hertz:.5g} Hz are common to all channels, and at least "
-            f"{FEWEST_CYCLES} are needed: record longer, or skip fewer (--skip-cycles)"
+            f"{FEWEST_CYCLES} are needed: record longer, or skip fewer ({spelled('skip_cycles')})"
             + "".join(f"; {sentence(one, coordinate)}" for one in left_out)
         )
     if count < FEW_CYCLES:
