@@ -4,7 +4,6 @@ what is refused names the key or the option that helps."""
 import math
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from dampbalance import (
@@ -13,7 +12,6 @@ from dampbalance import (
     identify,
     measured_orbit,
     measured_ring_down,
-    read_records,
     steady_orbit,
 )
 
@@ -92,42 +90,6 @@ def test_nothing_is_asked_where_the_records_hold(factor):
     assert any(one.code == "gains" for one in found.rig)
     error = 3.0 * found.standard_errors["F_k"]
     assert found.values["F_k"] == pytest.approx(factor * OSC.F_k, abs=error)
-
-
-@pytest.mark.parametrize(
-    ("base", "mass", "read"),
-    [
-        ("base velocity [mm/s]", "mass velocity [mm/s]", True),
-        ("v_base (mm/s)", "v (mm/s)", True),
-        ("velocity base (mm/s)", "x/mm", True),
-        ("laser 1 (mm/s)", "laser 2 (mm/s)", False),
-    ],
-)
-def test_velocity_of_the_base_drives(tmp_path, base, mass, read):
-    response = "displacement" if mass.startswith("x") else "velocity"
-    (t, w, x), *_ = signals("base_velocity", response)
-    rows = np.column_stack([t, 1e3 * w, 1e3 * x])
-    np.savetxt(
-        tmp_path / "1.csv", rows, delimiter=",", header=f"time (s),{base},{mass}", comments=""
-    )
-    if read:
-        (record,) = read_records(tmp_path / "1.csv")
-        assert set(record) == {"base_velocity", response}
-    else:
-        with pytest.raises(ValueError, match="base_velocity or velocity"):
-            read_records(tmp_path / "1.csv")
-
-
-def test_velocities_of_base_and_mass_give_the_truth():
-    tables = [
-        {"time_s": t, "base_velocity_m_per_s": w, "velocity_m_per_s": v}
-        for t, w, v in signals("base_velocity", "velocity")
-    ]
-    found = identify(tables, stiffness=OSC.k)
-    for symbol in ("F_k", "c"):
-        error = 3.0 * found.standard_errors[symbol]
-        assert found.values[symbol] == pytest.approx(getattr(OSC, symbol), abs=error)
-        assert found.verdicts[symbol].verdict == "usable"
 
 
 # --- refusals --------------------------------------------------------------------------------------
