@@ -6,39 +6,23 @@ from dataclasses import replace
 
 import pytest
 
-from dampbalance import (
-    BaseMotion,
-    Oscillator,
-    identify,
-    measured_orbit,
-    measured_ring_down,
-    steady_orbit,
-)
+from dampbalance import Oscillator, identify, measured_ring_down
+from identification.levels import measured
 
 OSC = Oscillator(m=1.9, c=31.0, k=2900.0, K_z=160000.0, F_k=1.7)
-OMEGA = 2.0 * math.pi * 5.5
-LEVELS = 0.0021, 0.0038, 0.0066
+HERTZ = 5.5
 TURN = 6.28319  # 2π as it is shown
 
 
-def signals(drive, response, noise=0.004):
-    """Return time, drive and response of each level, SI."""
-    for seed, Y in enumerate(LEVELS):
-        orbit = steady_orbit(OSC, BaseMotion(Y=Y, omega=OMEGA))
-        of = measured_orbit(
-            orbit, rate_hz=1500.0, cycles=22.0, noise=noise, seed=seed, channels=(drive, response)
-        )
-        yield of[drive].t, of[drive].values, of[response].values
-
-
-def files(folder, drive, response, factors, units):
-    """Write each level as a file whose channels are so many times as large as they should be, in units as labelled."""
-    for i, (t, *values) in enumerate(signals(drive, response)):
-        columns = [t, *(f * v for f, v in zip(factors, values, strict=True))]
-        names = [f"{q} [{u}]" for q, u in zip((drive, response), units, strict=True)]
-        rows = "\n".join(",".join(f"{x:.9g}" for x in row) for row in zip(*columns, strict=True))
-        (folder / f"{i}.csv").write_text(f"time [s],{','.join(names)}\n{rows}\n")
-    return sorted(folder.glob("*.csv"))
+def tables(drive, response, factors=(1.0, 1.0), units=None):
+    """Return a table of each level, whose channels are so many times as large as in SI, in units as labelled."""
+    options = {"rate_hz": 1500.0, "cycles": 22.0, "noise": 0.004, "channels": (drive, response)}
+    heads = [f"{q} [{u}]" for q, u in zip((drive, response), units or ("m", "m"), strict=True)]
+    return [
+        {"time_s": of[drive].t}
+        | {h: f * of[q].values for h, f, q in zip(heads, factors, (drive, response), strict=True)}
+        for of in measured((0.0021, 0.0038, 0.0066), HERTZ, OSC, **options)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -56,10 +40,10 @@ def files(folder, drive, response, factors, units):
     ],
 )
 def test_named_channel_with_the_remedy_gives_the_truth(
-    tmp_path, drive, response, factors, units, quantity, remedy
+    drive, response, factors, units, quantity, remedy
 ):
-    paths = files(tmp_path, drive, response, factors, units)
-    wrong = identify(paths, stiffness=OSC.k)
+    given = tables(drive, response, factors, units)
+    wrong = identify(given, stiffness=OSC.k)
     assert wrong.no_answer
     (asked,) = (one for one in wrong.findings if one.code == "misread")
     assert wrong.unanswered[0] == [asked]  # the first cause
@@ -71,7 +55,7 @@ def test_named_channel_with_the_remedy_gives_the_truth(
     assert f"{key}: {value}" in text
     rules = {q: {"channel": q, "unit": u} for q, u in zip((drive, response), units, strict=True)}
     rules[of] |= remedy
-    found = identify(paths, stiffness=OSC.k, mapping={"channels": rules})
+    found = identify(given, stiffness=OSC.k, mapping={"channels": rules})
     assert not found.no_answer
     for symbol in ("F_k", "c"):
         # three standard errors, and what 4.44822 and 6.28319 are rounded to
@@ -82,10 +66,8 @@ def test_named_channel_with_the_remedy_gives_the_truth(
 @pytest.mark.parametrize("factor", [1.0, 9.80665])
 def test_nothing_is_asked_where_the_records_hold(factor):
     # both channels alike: no record shows it, and F_k is in proportion
-    of, drive = "acceleration_m_per_s2", "base_acceleration_m_per_s2"
-    pairs = signals("base_acceleration", "acceleration")
-    tables = [{"time_s": t, drive: factor * y, of: factor * x} for t, y, x in pairs]
-    found = identify(tables, stiffness=OSC.k)
+    of = "base_acceleration", "acceleration"
+    found = identify(tables(*of, (factor, factor), ("m/s²", "m/s²")), stiffness=OSC.k)
     assert not any(one.code == "misread" for one in found.findings)
     assert any(one.code == "gains" for one in found.rig)
     error = 3.0 * found.standard_errors["F_k"]
@@ -94,9 +76,9 @@ def test_nothing_is_asked_where_the_records_hold(factor):
 
 # --- refusals --------------------------------------------------------------------------------------
 
-T, Y, X = next(signals("base_displacement", "displacement"))
-FORCED = {"time_s": T, "base_displacement_m": Y, "displacement_m": X}
-STILL, A = {**FORCED, "base_displacement_m": 0.0 * Y}, -(OMEGA**2) * X
+FORCED = tables("base_displacement", "displacement")[0]
+STILL = FORCED | {"base_displacement [m]": 0.0 * FORCED["time_s"]}
+A = -((2.0 * math.pi * HERTZ) ** 2) * FORCED["displacement [m]"]
 
 
 def decay():
