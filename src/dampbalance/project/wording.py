@@ -19,14 +19,8 @@ _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written o
 _NAME = 40  # characters of a name that are compared
 _MANY_TIMES = 1000  # larger factors are not distinguished
 _FRACTIONS = {
-    **{
-        2.0: "twice",
-        1 / 2: "half",
-        1 / 3: "a third of",
-        1 / 4: "a quarter of",
-        1 / 5: "a fifth of",
-    },
-    **{1e-1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
+    **{2.0: "twice", 1 / 2: "half", 1 / 3: "a third of", 1 / 4: "a quarter of"},
+    **{1 / 5: "a fifth of", 0.1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
 }
 
 
