@@ -4,9 +4,8 @@ After Liang & Feeny, *Balancing energy to estimate damping in a forced oscillato
 DETC2010-28049.
 """
 
-TYPE_CHECKING = (
-    False  # true to a type checker; `typing` and more are imported where Ctrl-C is caught
-)
+# true to a type checker; `typing` and more are imported where Ctrl-C is caught
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .balance import Rows
     from .features import Features

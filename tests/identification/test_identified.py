@@ -9,7 +9,6 @@ import json
 import math
 import re
 from dataclasses import replace
-from html import unescape
 
 import numpy as np
 import pandas as pd
@@ -41,6 +40,7 @@ from dampbalance.records.readers import mapping_to_start_from
 from folders import ROOT
 from identification.levels import THREE, clipped, close, measured
 from paper_case import PAPER
+from publishing.html import in_a_line, words
 from records.drafts import filled
 
 FILES = sorted((ROOT / "config/records/example").glob("level*.csv"))
@@ -79,16 +79,6 @@ def found(kind, request):
 @pytest.fixture
 def truth(kind):
     return PAPER if kind == "steady" else DECAYING
-
-
-def plain(text):
-    """Text in one line, as its lines are broken where the screen ends."""
-    return " ".join(text.split())
-
-
-def words(html):
-    """Text of a page, a blank between cells."""
-    return plain(unescape(re.sub(r"<[^>]*>", "", re.sub("</t[hd]>", " ", html))))
 
 
 # --- numbers --------------------------------------------------------------------------------------
@@ -182,7 +172,7 @@ def test_the_levels_of_records_lose_what_friction_and_damper_take(steady, decay)
 
 @BOTH
 def test_the_screen_begins_with_the_answer_and_is_as_wide_as_it_is_told(found):
-    said = plain(found.screen())
+    said = in_a_line(found.screen())
     for symbol, unit in (("F_k", "N"), ("c", "N s/m")):
         form = rf"{symbol} = ([\d.]+) (?:± ([\d.]+)|\[([\d.]+), ([\d.]+)\]) {unit}"
         value, half, *ends = re.search(form, said).groups()
@@ -193,7 +183,7 @@ def test_the_screen_begins_with_the_answer_and_is_as_wide_as_it_is_told(found):
         assert float(half) == pytest.approx(0.5 * (high - low), rel=0.05)
     lines = found.screen(40).splitlines()
     assert all(len(line) <= 40 for line in lines if "  " not in line.strip())
-    assert plain(found.screen(40)) == said
+    assert in_a_line(found.screen(40)) == said
     assert repr(found) == found.screen().rstrip("\n")
 
 

@@ -1,35 +1,28 @@
-"""Channels in a wrong unit or with a wrong sign are asked for by name, and the remedy that is named gives the truth."""
+"""Channels in a wrong unit or with a wrong sign are asked for by name, and the remedy that is named gives the truth;
+what is refused names the key or the option that helps."""
 
 import math
+from dataclasses import replace
 
-import numpy as np
 import pytest
 
-from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, read_records, steady_orbit
+from dampbalance import Oscillator, identify, measured_ring_down
+from identification.levels import measured
 
 OSC = Oscillator(m=1.9, c=31.0, k=2900.0, K_z=160000.0, F_k=1.7)
-OMEGA = 2.0 * math.pi * 5.5
-LEVELS = 0.0021, 0.0038, 0.0066
+HERTZ = 5.5
+TURN = 6.28319  # 2π as it is shown
 
 
-def signals(drive, response, noise=0.004):
-    """Return time, drive and response of each level, SI."""
-    for seed, Y in enumerate(LEVELS):
-        orbit = steady_orbit(OSC, BaseMotion(Y=Y, omega=OMEGA))
-        of = measured_orbit(
-            orbit, rate_hz=1500.0, cycles=22.0, noise=noise, seed=seed, channels=(drive, response)
-        )
-        yield of[drive].t, of[drive].values, of[response].values
-
-
-def files(folder, drive, response, factors, units):
-    """Write each level as a file whose channels are so many times as large as they should be, in units as labelled."""
-    for i, (t, *values) in enumerate(signals(drive, response)):
-        columns = [t, *(f * v for f, v in zip(factors, values, strict=True))]
-        names = [f"{q} [{u}]" for q, u in zip((drive, response), units, strict=True)]
-        rows = "\n".join(",".join(f"{x:.9g}" for x in row) for row in zip(*columns, strict=True))
-        (folder / f"{i}.csv").write_text(f"time [s],{','.join(names)}\n{rows}\n")
-    return sorted(folder.glob("*.csv"))
+def tables(drive, response, factors=(1.0, 1.0), units=None):
+    """Return a table of each level, whose channels are so many times as large as in SI, in units as labelled."""
+    options = {"rate_hz": 1500.0, "cycles": 22.0, "noise": 0.004, "channels": (drive, response)}
+    heads = [f"{q} [{u}]" for q, u in zip((drive, response), units or ("m", "m"), strict=True)]
+    return [
+        {"time_s": of[drive].t}
+        | {h: f * of[q].values for h, f, q in zip(heads, factors, (drive, response), strict=True)}
+        for of in measured((0.0021, 0.0038, 0.0066), HERTZ, OSC, **options)
+    ]
 
 
 @pytest.mark.parametrize(
@@ -40,24 +33,17 @@ def files(folder, drive, response, factors, units):
         ("force", "displacement", (1 / 4.44822, 1e3), ("N", "mm"), 0, {"unit": "lbf"}),
         ("base_velocity", "velocity", (1e3, 1e3), ("mm/s", "in/s"), 1, {"unit": "mm/s"}),
         # an amplitude times a frequency in Hz
-        (
-            "base_displacement",
-            "velocity",
-            (1e3, 0.5e3 / math.pi),
-            ("mm", "mm/s"),
-            1,
-            {"scale": 6.28319},
-        ),
+        ("base_displacement", "velocity", (1e3, 500 / math.pi), ("mm", "mm/s"), 1, {"scale": TURN}),
         # upside down
         ("base_acceleration", "acceleration", (1.0, -1.0), ("m/s²", "m/s²"), 1, {"sign": -1}),
         ("base_displacement", "relative_displacement", (-1e3, 1e3), ("mm", "mm"), 0, {"sign": -1}),
     ],
 )
 def test_named_channel_with_the_remedy_gives_the_truth(
-    tmp_path, drive, response, factors, units, quantity, remedy
+    drive, response, factors, units, quantity, remedy
 ):
-    paths = files(tmp_path, drive, response, factors, units)
-    wrong = identify(paths, stiffness=OSC.k)
+    given = tables(drive, response, factors, units)
+    wrong = identify(given, stiffness=OSC.k)
     assert wrong.no_answer
     (asked,) = (one for one in wrong.findings if one.code == "misread")
     assert wrong.unanswered[0] == [asked]  # the first cause
@@ -69,7 +55,7 @@ def test_named_channel_with_the_remedy_gives_the_truth(
     assert f"{key}: {value}" in text
     rules = {q: {"channel": q, "unit": u} for q, u in zip((drive, response), units, strict=True)}
     rules[of] |= remedy
-    found = identify(paths, stiffness=OSC.k, mapping={"channels": rules})
+    found = identify(given, stiffness=OSC.k, mapping={"channels": rules})
     assert not found.no_answer
     for symbol in ("F_k", "c"):
         # three standard errors, and what 4.44822 and 6.28319 are rounded to
@@ -80,55 +66,46 @@ def test_named_channel_with_the_remedy_gives_the_truth(
 @pytest.mark.parametrize("factor", [1.0, 9.80665])
 def test_nothing_is_asked_where_the_records_hold(factor):
     # both channels alike: no record shows it, and F_k is in proportion
-    pairs = signals("base_acceleration", "acceleration")
-    found = identify(
-        [
-            {
-                "time_s": t,
-                "base_acceleration_m_per_s2": factor * y,
-                "acceleration_m_per_s2": factor * x,
-            }
-            for t, y, x in pairs
-        ],
-        stiffness=OSC.k,
-    )
+    of = "base_acceleration", "acceleration"
+    found = identify(tables(*of, (factor, factor), ("m/s²", "m/s²")), stiffness=OSC.k)
     assert not any(one.code == "misread" for one in found.findings)
     assert any(one.code == "gains" for one in found.rig)
     error = 3.0 * found.standard_errors["F_k"]
     assert found.values["F_k"] == pytest.approx(factor * OSC.F_k, abs=error)
 
 
+# --- refusals --------------------------------------------------------------------------------------
+
+FORCED = tables("base_displacement", "displacement")[0]
+STILL = FORCED | {"base_displacement [m]": 0.0 * FORCED["time_s"]}
+A = -((2.0 * math.pi * HERTZ) ** 2) * FORCED["displacement [m]"]
+
+
+def decay():
+    """A free decay whose accelerometer is upside down."""
+    of = {"x": 0.008, "rate_hz": 1200.0, "duration": 2.5, "noise": 0.001}
+    sensors = "displacement", "acceleration"
+    x, a = measured_ring_down(
+        replace(OSC, c=3.0, F_k=0.8), channels=sensors, **of
+    ).channels.values()
+    return {"time_s": x.t, "displacement_m": x.values, "acceleration_m_per_s2": -a.values}
+
+
 @pytest.mark.parametrize(
-    ("base", "mass", "read"),
+    ("table", "options", "named"),
     [
-        ("base velocity [mm/s]", "mass velocity [mm/s]", True),
-        ("v_base (mm/s)", "v (mm/s)", True),
-        ("velocity base (mm/s)", "x/mm", True),
-        ("laser 1 (mm/s)", "laser 2 (mm/s)", False),
+        (FORCED, {"frequency": 6.0}, "frequency="),
+        (FORCED, {"skip_cycles": 20}, "skip_cycles="),
+        (FORCED, {"kind": "ring-down"}, "kind="),
+        # a drive that stands still beside a motion that does not die out
+        (STILL, {}, "in a mapping"),
+        (STILL, {"kind": "forced"}, "kind="),
+        # another sensor, upside down or in g
+        ({**FORCED, "acceleration_m_per_s2": -A}, {}, "sign: -1"),
+        ({**FORCED, "acceleration_g": A}, {}, "unit: "),
+        (decay(), {}, "sign: -1"),
     ],
 )
-def test_velocity_of_the_base_drives(tmp_path, base, mass, read):
-    response = "displacement" if mass.startswith("x") else "velocity"
-    (t, w, x), *_ = signals("base_velocity", response)
-    rows = np.column_stack([t, 1e3 * w, 1e3 * x])
-    np.savetxt(
-        tmp_path / "1.csv", rows, delimiter=",", header=f"time (s),{base},{mass}", comments=""
-    )
-    if read:
-        (record,) = read_records(tmp_path / "1.csv")
-        assert set(record) == {"base_velocity", response}
-    else:
-        with pytest.raises(ValueError, match="base_velocity or velocity"):
-            read_records(tmp_path / "1.csv")
-
-
-def test_velocities_of_base_and_mass_give_the_truth():
-    tables = [
-        {"time_s": t, "base_velocity_m_per_s": w, "velocity_m_per_s": v}
-        for t, w, v in signals("base_velocity", "velocity")
-    ]
-    found = identify(tables, stiffness=OSC.k)
-    for symbol in ("F_k", "c"):
-        error = 3.0 * found.standard_errors[symbol]
-        assert found.values[symbol] == pytest.approx(getattr(OSC, symbol), abs=error)
-        assert found.verdicts[symbol].verdict == "usable"
+def test_a_refusal_names_what_helps(table, options, named):
+    with pytest.raises(ValueError, match=named):
+        identify(table, stiffness=OSC.k, **options)

@@ -2,10 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from html import unescape
 from html.parser import HTMLParser
 
 VOID = {"meta", "link", "input", "br", "col", "hr", "img", "source"}
 ADDRESSES = ("src", "href", "srcset", "data", "poster", "action")
+
+
+def in_a_line(text):
+    """Text in one line, as its lines are broken where a screen ends."""
+    return " ".join(text.split())
+
+
+def words(html):
+    """Text of a page, a blank between cells."""
+    return in_a_line(unescape(re.sub(r"<[^>]*>", "", re.sub("</t[hd]>", " ", html))))
 
 
 class Tree(HTMLParser):

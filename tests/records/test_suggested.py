@@ -17,7 +17,7 @@ from records.formats import uff_set, write_uff
 
 T = np.arange(400) / 1000.0
 SIGNALS = [np.cos(40.0 * T + i) + 0.3 * np.sin(91.0 * i * T) for i in range(4)]
-BASE_D, BASE_A, FORCE = "base_displacement", "base_acceleration", "force"
+BASE_D, BASE_V, BASE_A, FORCE = "base_displacement", "base_velocity", "base_acceleration", "force"
 X, V, A, R = "displacement", "velocity", "acceleration", "relative_displacement"
 IGNORED = "ignore:.*(channels not used|is taken for the)"
 
@@ -66,6 +66,10 @@ READ = [
     (["x [mm]", "wind [kn]"], {X: 0}),
     (["x [mm]", "oil (bar)", "I/A", "T [K]"], {X: 0}),  # no motion
     (["base [mm]", "mass minus base (mm)"], {BASE_D: 0, R: 1}),
+    # two vibrometers
+    (["base velocity [mm/s]", "mass velocity [mm/s]"], {BASE_V: 0, V: 1}),
+    (["v_base (mm/s)", "v (mm/s)"], {BASE_V: 0, V: 1}),
+    (["velocity base (mm/s)", "x/mm"], {BASE_V: 0, X: 1}),
 ]
 
 
@@ -96,6 +100,7 @@ REFUSED = [
     (["acc [g]", "pick-up: 2 [g]"], "does the column 'pick-up: 2 .g.' hold", {BASE_A: 1, A: 0}),
     (["mass acc 1 [g]", "acc 2 [g]"], "does the column 'acc 2 .g.' hold", {BASE_A: 1, A: 0}),
     (["disp 1", "disp 2", "acc 1", "acc 2"], "what do the columns", {BASE_D: 0, X: 1, A: 3}),
+    (["laser 1 (mm/s)", "laser 2 (mm/s)"], "base_velocity or velocity", {BASE_V: 0, V: 1}),
     (["Hammer [V]", "Acc [g]"], "the scale of 'Hammer .V.'", {FORCE: 0, A: 1}),
     # case counts
     (["y [mm]", "x [Nm]"], "finds no response: .* 'x .Nm.'", None),

@@ -138,16 +138,14 @@ def test_one_curve_stands_for_approaches_that_agree_and_open_marks_for_too_small
     [("frequency_hz", [5.0, 12.0]), ("omega_over_omega_n", [5.0 / 8.0, 12.0 / 8.0])],
 )
 def test_a_frequency_is_shown_as_a_ratio_and_in_hz_however_it_is_given(computed, axis, values):
-    base = {"m_kg": 1.5, "k_N_per_m": 1.5 * (2.0 * math.pi * 8.0) ** 2}  # ω_n/2π = 8 Hz
     levels = {"Y_m": {"from": 0.002, "to": 0.2, "count": 9, "spacing": "log"}}
     document = {
-        "base": base,
-        "axes": [{axis: {"values": values}}, levels],
-        "levels_of_Y": [1.0, 1.5],
+        "base": {"m_kg": 1.5, "k_N_per_m": 1.5 * (2.0 * math.pi * 8.0) ** 2},  # ω_n/2π = 8 Hz
+        **{"axes": [{axis: {"values": values}}, levels], "levels_of_Y": [1.0, 1.5]},
+        "estimation": {"approaches": ["X_s"]},
+        "figure": {"kind": "curves", "x": "Y_m", "panels": axis, "marks": {"here": 0.02}},
     }
-    document |= {"estimation": {"approaches": ["X_s"]}}
-    by_level = {"kind": "curves", "x": "Y_m", "panels": axis, "marks": {"here": 0.02}}
-    study, _, path = computed(document | {"figure": by_level})
+    study, _, path = computed(document)
     figure = study_figure(study, path)
     titles = [axes.get_title() for axes in figure.axes[:2]]
     assert titles == [rf"$\omega/\omega_n$ = {r} ({f} Hz)" for r, f in ((0.625, 5), (1.5, 12))]
@@ -174,22 +172,15 @@ def test_without_one_natural_frequency_a_frequency_is_shown_as_it_is_given(compu
 def test_of_two_curves_that_coincide_the_lower_one_is_wider(make, computed):
     document = {"axes": [STIFF], "estimation": {"approaches": ["direct", "X_s", "fourier"]}}
     # 3 % are 0.013 of a decade
-    factors = {"direct": 0.01, "X_s": 0.0103, "fourier": 0.1}
-    fits = make(document).fits
-    columns = {
-        f"F_k_relative_error__{of.label}": factors[of.approach] + 0.0 * np.arange(21) for of in fits
-    }
+    errors, fits = {"direct": 0.01, "X_s": 0.0103, "fourier": 0.1}, make(document).fits
+    columns = {f"F_k_relative_error__{of.label}": np.full(21, errors[of.approach]) for of in fits}
     study, _, path = computed(document, **columns)
-    lines = study_figure(study, path).axes[0].lines
-    width = {
-        name: max(
-            one.get_linewidth()
-            for one in lines
-            if one.get_color() == looks.LOOKS[name].colour and one.get_linestyle() != "None"
-        )
-        for name in factors
-    }
-    assert width["direct"] > 2.0 * width["X_s"] == 2.0 * width["fourier"]
+    lines = [
+        one for one in study_figure(study, path).axes[0].lines if one.get_linestyle() != "None"
+    ]
+    width = {one.get_color(): one.get_linewidth() for one in lines}
+    direct, X_s, fourier = (width[looks.LOOKS[name].colour] for name in errors)
+    assert direct > 2.0 * X_s == 2.0 * fourier
 
 
 # --- paragraphs -----------------------------------------------------------------------------------

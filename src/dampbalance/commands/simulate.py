@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -133,12 +133,7 @@ def _steady_record(options: argparse.Namespace, **common: Any) -> Record:
     if options.sliders and options.law:
         raise ValueError("--sliders and --law cannot be combined: leave out one")
     osc = oscillator(options, law, 0.0 if options.sliders else FRICTION)
-    by_force = _driven_by_force(common["channels"])
-    if by_force and "c_r" in law:
-        raise ValueError(
-            "--law c_r: the base, which it is relative to, rests under a force: give c"
-        )
-    Y = _amplitude(options.amplitude, by_force) / (osc.k if by_force else 1.0)
+    Y = _amplitude(options.amplitude, common["channels"], osc.k, law)
     motion = BaseMotion(Y=Y, omega=2.0 * math.pi * options.frequency)
     cycle = f"a cycle of {options.frequency:g} Hz"
     require_brief(osc, 1.0 / options.frequency, cycle, "a higher --frequency", bool(law))
@@ -154,23 +149,23 @@ def _steady_record(options: argparse.Namespace, **common: Any) -> Record:
 run = writing(_steady_record, _CHANNELS)
 
 
-def _driven_by_force(channels: Sequence[str]) -> bool:
-    """Return whether the channel that drives is a force, which stands for a base motion f/k, or a torque.
+def _amplitude(text: str, channels: Sequence[str], k: float, law: Collection[str]) -> float:
+    """Return the amplitude of the base, m, from a text that may have a unit; where the channel that drives is a force,
+    or a torque, of the base motion f/k that it stands for.
 
-    Raises ValueError where several channels drive.
+    Raises ValueError where several channels drive, or the law has a damper to a base that rests.
     """
     driving = [one for one in channels if ROTATING.get(one, one) in EXCITATIONS]
     if len({*driving}) > 1:
         raise ValueError(f"only one of {listed(driving)} can drive: leave out the other --channel")
-    return [ROTATING.get(one, one) for one in driving] == ["force"]
-
-
-def _amplitude(text: str, of_force: bool) -> float:
-    """Return the amplitude of the base, m, or of the force, N, from a text that may have a unit."""
+    by_force = [ROTATING.get(one, one) for one in driving] == ["force"]
+    if by_force and "c_r" in law:
+        raise ValueError("--law c_r: the base, to which it is, rests under a force: give c")
+    bounds, per = (Bounds("N"), k) if by_force else (NUMBERS["Y"], 1.0)
     try:
-        return read_number("--amplitude", text, Bounds("N") if of_force else NUMBERS["Y"])
+        return read_number("--amplitude", text, bounds) / per
     except ValueError as error:
-        other = "the base, name its" if of_force else "a force, name that and no base as"
+        other = "the base, name its" if by_force else "a force, name that and no base as"
         raise ValueError(f"{error}; for that of {other} --channel") from None
 
 

@@ -74,11 +74,6 @@ class ParameterEstimate:
         half = 0.5 * (self.interval.high - self.interval.low)
         return half / abs(self.value) if self.value else math.inf
 
-    def holding(self, other: Interval) -> ParameterEstimate:
-        """Return the estimate with an interval that holds another one, too."""
-        low, high = self.interval
-        return replace(self, interval=Interval(min(low, other.low), max(high, other.high)))
-
     def at(self, value: float) -> ParameterEstimate:
         """Return the estimate at another value, with the same errors."""
         by = value - self.value

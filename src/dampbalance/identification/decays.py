@@ -404,9 +404,8 @@ def _solved(
     if not sound(fit):  # even in the band of the mode
         fit_notes.append(Finding("no one decays", {"share": fit.residual_share}, UNBOUNDED))
     notes = [*fit_notes]
-    if fit.problem.band is not None and any(
-        fit.error(s) > _WIDE * abs(fit.value(s)) for s in TERMS
-    ):
+    wide = any(fit.error(s) > _WIDE * abs(fit.value(s)) for s in TERMS)
+    if fit.problem.band is not None and wide:
         fit_notes.append(_other_motion(fit))
     if freedom > 0 and special.chdtrc(freedom, solution.chi_square) < P_OF_THE_MODEL:
         notes.append(Finding("half cycles differ", {"misfit": misfit}))
@@ -443,6 +442,7 @@ def _solved(
     widest = _among_models(answer, selection)
     judged = None if clipped_signals else reference  # of clipped swings it cannot judge any
     check, doubts = compared(answer if lacks else widest, judged, lacks, _ACCURACY)
+    doubts = [one for one in doubts if one.largest > USELESS]
     decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
     return Result(
         basis=DecayBasis(fit, rows),
@@ -451,11 +451,7 @@ def _solved(
         estimates={BALANCE: widest},
         reference=reference,
         weighed=weighed_of(selection),
-        odd=(
-            *warnings,
-            *(one for one in doubts if one.largest > USELESS),
-            *clipped_signals.values(),
-        ),
+        odd=(*warnings, *doubts, *clipped_signals.values()),
         check=[check],
         head=f"{_counted(len(sources), 'record')} with {_counted(len(decays), 'free decay')}, "
         f"{_counted(rows.halves, 'half cycle')} in the balance; values with 95 % intervals",

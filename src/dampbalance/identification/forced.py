@@ -82,26 +82,20 @@ class ForcedBasis:
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
         """Return the microstick line that all records share and the features of each record."""
+        features, columns = self.features, FEATURE_COLUMNS.items()
         return {
             "microstick": microstick_of(self.fit if self.common.waveforms_hold else None),
             "records": [
                 {
-                    "record": reading.steady.source,
-                    "frequency_Hz": reading.steady.frequency_hz,
-                    "frequency_standard_error_Hz": reading.steady.omega_standard_error
-                    / (2.0 * math.pi),
-                    "cycles": reading.steady.cycles,
-                    "highest_harmonic": reading.steady.bandwidth,
-                    "noise_rms": reading.steady.noise_rms,
-                    "slips": reading.slips,
-                    "features": {
-                        c: getattr(self.features, n)[i] for n, c in FEATURE_COLUMNS.items()
-                    },
-                    "standard_errors": {
-                        c: reading.standard_errors[n] for n, c in FEATURE_COLUMNS.items()
-                    },
+                    **{"record": of.source, "frequency_Hz": of.frequency_hz},
+                    "frequency_standard_error_Hz": of.omega_standard_error / (2.0 * math.pi),
+                    **{"cycles": of.cycles, "highest_harmonic": of.bandwidth},
+                    **{"noise_rms": of.noise_rms, "slips": reading.slips},
+                    "features": {c: getattr(features, n)[i] for n, c in columns},
+                    "standard_errors": {c: reading.standard_errors[n] for n, c in columns},
                 }
                 for i, reading in enumerate(self.readings)
+                for of in [reading.steady]
             ],
         }
 

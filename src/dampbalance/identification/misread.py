@@ -33,10 +33,8 @@ _ALIKE = 0.05  # relative: factors that records do not tell apart, as of kgf and
 _MUCH = 100.0  # of χ²: a departure beside leaves less of it than a factor of two units
 _NEAR = 0.1  # relative, of a mass: a factor of two units is farther off
 _FAR = 30.0  # times the frequency of the drive, or a part of it: no rig is driven there on purpose
-_SOFT, _TRIED = (
-    0.01,
-    4,
-)  # part of the amplitudes added to errors, and evaluations: no other starts are worth a fit
+# part of the amplitudes added to errors, and evaluations: no other starts are worth a fit
+_SOFT, _TRIED = 0.01, 4
 
 
 def misread(

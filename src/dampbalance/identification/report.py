@@ -133,12 +133,8 @@ def rich(text: str) -> Markup:
     return Markup(re.sub(r"--[a-z][a-z-]*", r"<code>\g<0></code>", in_html(text)))
 
 
-_NAMES = {
-    "K_z": "contact stiffness",
-    "m": "mass",
-    "f_n": "natural frequency",
-    "zeta": "damping ratio",
-}
+_NAMES = {"K_z": "contact stiffness", "m": "mass", "f_n": "natural frequency"}
+_NAMES |= {"zeta": "damping ratio"}
 
 
 def _known(value: float | None) -> float:

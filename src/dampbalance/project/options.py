@@ -186,9 +186,7 @@ def with_options(function: Function) -> Function:
         for of in own
         if of.name not in ("stiffness", "mapping")  # which the docstring itself describes
     ]
-    lines.append(
-        "unknown : no other; a misspelt one raises TypeError with the name that was meant."
-    )
+    lines += ["unknown : no other; a misspelt one raises TypeError with the name that was meant."]
     words = function.__doc__ or ""  # none under python -OO
     function.__doc__ = words.replace(_DESCRIBED, "\n    ".join(lines))
     return function

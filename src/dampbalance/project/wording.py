@@ -19,14 +19,8 @@ _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written o
 _NAME = 40  # characters of a name that are compared
 _MANY_TIMES = 1000  # larger factors are not distinguished
 _FRACTIONS = {
-    **{
-        2.0: "twice",
-        1 / 2: "half",
-        1 / 3: "a third of",
-        1 / 4: "a quarter of",
-        1 / 5: "a fifth of",
-    },
-    **{1e-1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
+    **{2.0: "twice", 1 / 2: "half", 1 / 3: "a third of", 1 / 4: "a quarter of"},
+    **{1 / 5: "a fifth of", 0.1: "a tenth of", 1e-2: "a hundredth of", 1e-3: "a thousandth of"},
 }
 
 
@@ -132,13 +126,11 @@ def change_text(value: float, by: float, unit: str = "") -> str:
 def times(value: float) -> str:
     """Return a positive factor before what it multiplies: 1,730 times, 9.81 times, twice, half, a quarter of."""
     for known, words in _FRACTIONS.items():
-        if (
-            abs(value / known - 1.0) < 5e-3
-        ):  # three digits of one that is less off are those of this
+        # three digits of one that is less off are those of this
+        if abs(value / known - 1.0) < 5e-3:
             return words
-    return (
-        f"{float(f'{value:.3g}'):,.15g} times" if value >= 1.0 else f"{written(value, '.3g')} times"
-    )
+    shown = f"{float(f'{value:.3g}'):,.15g}" if value >= 1.0 else written(value, ".3g")
+    return f"{shown} times"
 
 
 def written(value: float, spec: str) -> str:

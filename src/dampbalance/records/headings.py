@@ -80,16 +80,7 @@ _NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
 _PASSED_OVER = "angular", "de", "du", "la", "le"
 _BODIES = ("base", "mass", "relative")
 _OF_AMPLITUDES = {
-    "amplitude",
-    "amplitudes",
-    "amp",
-    "ampl",
-    "magnitude",
-    "mag",
-    "frf",
-    "abs",
-    "peak",
-    "rms",
+    *("amplitude", "amplitudes", "amp", "ampl", "magnitude", "mag", "frf", "abs", "peak", "rms")
 }
 _OF_ERRORS = {"standard", "error", "std", "stdev", "deviation", "uncertainty"}
 # letters of a word that may be part of another, a sign of Chinese or Japanese is enough; and of a compound

@@ -161,11 +161,8 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
     from ..project.documents import against_schema, in_lines, read_schema
 
     if blanks := [*_blanks(document)]:
-        at, remedy = (
-            listed(blanks),
-            "fill them in, or delete the lines of columns that are not needed",
-        )
-        raise RecordError(f'{source}: there are still blanks, "{BLANK}", at {at}: {remedy}')
+        remedy = "fill them in, or delete the lines of columns that are not needed"
+        raise RecordError(f'{source}: blanks, "{BLANK}", are left at {listed(blanks)}: {remedy}')
     problems = against_schema(document, read_schema(SCHEMA))
     problems = problems or list(_contradictions(document))
     if problems:

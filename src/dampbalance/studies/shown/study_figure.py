@@ -32,10 +32,8 @@ from .statistics import spread_of, worst_errors
 FEW = 24  # cases on a curve up to which each is marked
 MARKS = 6  # on a curve of more
 BRIEF = 0.08  # of a curve
-_WIDTH, _BENEATH = (
-    0.9,
-    2.6,
-)  # of a curve, points; of one on which another lies, so that both are seen
+# of a curve, points; of one on which another lies, so that both are seen
+_WIDTH, _BENEATH = 0.9, 2.6
 _APART = 0.05  # decades: less than half a millimetre in a panel of five, so that curves lie upon each other
 HARMONIC = "harmonic"  # the curve that stands for all approaches that take a phase
 PHASE_WORDS = {
@@ -195,8 +193,8 @@ def _with_common_curve(curves: Mapping[str, Array], harmonic: Sequence[str]) -> 
 def _agree(error: Array, other: Array) -> bool:
     """Return whether two curves would lie upon each other over half of their length."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        apart = np.abs(np.log10(np.abs(error / other)))
-    return bool(np.count_nonzero(apart < _APART) > 0.5 * np.count_nonzero(np.isfinite(error)))
+        alike = np.abs(np.log10(np.abs(error / other))) < _APART
+    return bool(alike.sum() > 0.5 * np.isfinite(error).sum())
 
 
 def _draw_size(
