@@ -595,7 +595,5 @@ class Guesses:
 
 def _near(factor: float, dimension: str) -> str:
     """Return the one unit of a dimension with about this factor; "" for none, or several."""
-    near = [
-        u.name for u in UNITS if u.dimension == dimension and abs(factor / u.factor - 1.0) < _SAME
-    ]
-    return near[0] if len(near) == 1 else ""
+    near = [u for u in UNITS if u.dimension == dimension and abs(factor / u.factor - 1.0) < _SAME]
+    return near[0].name if len(near) == 1 else ""

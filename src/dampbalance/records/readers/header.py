@@ -134,7 +134,7 @@ def described(
         if sensor.scale > 0.0 and raw.unit in (None, *VOLTS):
             unit, scale = sensor.unit, sensor.scale * VOLTS.get(raw.unit or "", math.nan)
             text += f": 1 if recorded in {unit}, {sensor.scale:.6g} if in V" * math.isnan(scale)
-            if amplified or _has_gain(_DECIBELS, text):
+            if scale > 0.0 and (amplified or _has_gain(_DECIBELS, text)):
                 text, scale = f"{text}: {scale:.6g} without a gain", math.nan
         name, unit = sensor.name or raw.name, unit or sensor.unit
         made[i] = replace(raw, name=name, unit=unit, scale=scale, described=text)
