@@ -40,15 +40,15 @@ def decay(sign):
 @pytest.mark.parametrize(
     ("table", "options", "named"),
     [
-        (forced(), {"frequency": 5.0}, "--frequency"),
-        (forced(), {"skip_cycles": 14}, "--skip-cycles"),
-        (forced(), {"kind": "ring-down"}, "--kind"),
+        (forced(), {"frequency": 5.0}, "frequency"),
+        (forced(), {"skip_cycles": 14}, "skip.cycles"),
+        (forced(), {"kind": "ring-down"}, "kind"),
         # a drive that stands still beside a motion that does not die out
         (forced(base_displacement_m=lambda of: 0.0 * of["time_s"]), {}, "in a mapping"),
         (
             forced(base_displacement_m=lambda of: 0.0 * of["time_s"]),
             {"kind": "forced"},
-            "--kind",
+            "kind",
         ),
         # another sensor, upside down or in g
         (
