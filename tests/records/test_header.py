@@ -64,6 +64,7 @@ RATES = {
     "采样频率: 512 Hz": 512.0,
     "サンプリング周波数,4096,Hz": 4096.0,
     "Sample rate: 2048 Hz\ndt: 0.000488": 2048.0,  # rounded
+    "Sample rate: 640 Hz, resampling: off": (640.0, ";"),
 }
 # nothing is taken: which of two, kHz or MHz, of what
 NO_RATES = {
@@ -73,6 +74,8 @@ NO_RATES = {
     "Calibration interval: 12 h": ",.",
     "Sampling rate (Hz),2,000": ",.",
     "Sample interval: 0.97": ",.",
+    "Sample rate 40960 Hz, decimated to 2560 Hz": ";.",
+    "Sample rate: 10 kHz\nDecimation: 4": ";.",
 }
 
 
@@ -106,6 +109,8 @@ SENSORS = {
     "Base: 98.7 mV/g\nMass: 2.4 kg\nt [s],Base [V],Mass [g]": ([T, 0.0987 * BASE, MASS], IN_G),
     "Name,Base,Mass\nSensitivity,98.7 mV/g,10.4 mV/g\nt [s],Base [V],Mass [V]":
         ([T, 0.0987 * BASE, 0.0104 * MASS], IN_G),
+    "Channel 1: Base, 98.7 mV/g, gain 1\nChannel 2: Mass, 10.4 mV/g, 0 dB\nt [s],Ch1 [V],Ch2 [V]":
+        ([T, 0.0987 * BASE, 0.0104 * MASS], IN_G),
     "Channel 1: Base (g)\nChannel 2: Mass (mm)\nt [s],1,2": ([T, BASE, MASS], MIXED),
     "Channel 1: Base (g)\nChannel 2: Mass (mm)\nSample rate: 2500 Hz": ([BASE, MASS], MIXED),
 }  # fmt: skip
@@ -130,6 +135,31 @@ def test_a_sensitivity_of_a_channel_without_a_unit_leaves_its_scale_to_be_filled
     with pytest.raises(RecordError, match=r"the scale of 'Base .g.' and 'Mass .g.'.*(?s:.)*10.13"):
         read(path)
     same(path, IN_G, mapping=filled(_draft(path), scale=1.0))
+
+
+@pytest.mark.parametrize(
+    "gain", ["Gain: 20\n{}{}", "{}, gain x20{}, gain 20", "{}, 26 dB{}, 26 dB"]
+)
+def test_a_sensitivity_of_volts_behind_a_gain_is_asked_for(tmp_path, gain):
+    """It gave channels 20 times too large, and F_k with them."""
+    head = gain.format("Channel 1: Base, 98.7 mV/g", "\nChannel 2: Mass, 10.4 mV/g")
+    volts = [T, 20 * 0.0987 * BASE, 20 * 0.0104 * MASS]
+    path = write(tmp_path, f"{head}\nt [s],Ch1 [V],Ch2 [V]", volts)
+    with pytest.raises(RecordError, match="what is the scale of"):
+        read(path)
+    draft = filled(_draft(path), scale=1.0)
+    for of, size in zip(draft["channels"].values(), (0.0987, 0.0104), strict=True):
+        of["scale"] = 1.0 / (20 * size)
+    same(path, IN_G, mapping=draft)
+
+
+def test_one_column_with_decimal_commas_is_one_channel(tmp_path):
+    path = tmp_path / "vib.csv"
+    rows = "\n".join(f"{x:.9f}".replace(".", ",") for x in 30.0 * MASS)
+    path.write_text(f"Fréquence d'échantillonnage : 2500 Hz\nVitesse (mm/s)\n{rows}\n")
+    (record,) = read_records(path, free=True)
+    # half a unit of the last digit
+    np.testing.assert_allclose(record["velocity"].values, 0.03 * MASS, atol=5e-13)
 
 
 def test_volts_and_parts_of_full_scale_have_neither_unit_nor_scale_in_a_draft(tmp_path):
@@ -167,6 +197,9 @@ HEADINGS = {
     "Größe (s);Basis (g);Maß éé (mm)": (MIXED, ";", ",", "cp1252"),
     "t [s],Table X [g],Mass X [g]": (IN_G,),
     "t [s],Base V (g),F (mm)": (MIXED,),
+    "t [s],Base (g),Mass rel. to table (mm)": (
+        {"base_acceleration": G * BASE, "relative_displacement": 1e-3 * MASS},
+    ),
 }
 
 
@@ -232,8 +265,11 @@ def test_a_folder_of_records_is_identified_and_says_once_what_is_not_used(tmp_pa
         text = path.read_text(encoding="utf-8").replace("\n", ",\n")
         (tmp_path / f"level{n}.csv").write_text(text, encoding="utf-8")
         path.unlink()
+    (tmp_path / "notes.txt").write_text("Rig 2, 14 March, mass 3.2 kg\n", encoding="utf-8")
     found = identify(tmp_path, stiffness=OSCILLATOR.k)
-    assert len(found.records) == 3
+    assert [of.name for of in found.records] == [str(tmp_path / f"level{n}.csv") for n in range(3)]
+    pattern = read_records(str(tmp_path / "level*.csv"))  # as Windows gives it
+    assert [of.name for of in pattern] == [of.name for of in found.records]
     # 1 %: four times the half width of the intervals, which noise of 0.3 % leaves
     truth = {"F_k": OSCILLATOR.F_k, "c": OSCILLATOR.c}
     assert {symbol: found.values[symbol] for symbol in truth} == pytest.approx(truth, rel=0.01)

@@ -65,7 +65,9 @@ def misread(
     rivals = [ratio for ratio in sizes if abs(ratio / best - 1.0) > _ALIKE]
     if best == 1.0 or any(_rivals(fits[ratio], fits[best]) for ratio in rivals):
         return
-    if (fit := fits[best]) is not None and _plausible(fit, common.mass):
+    fit = fits[best]
+    # channels that are exchanged are not turned: of them, too, an oscillator comes nearer with the other sign
+    if fit is not None and _plausible(fit, common.mass) and (fit.adequate or not turned):
         of = {"what": tuple(what[best]), "holds": bool(fit.adequate)}
         yield Finding("misread", of, UNBOUNDED)
 

@@ -344,7 +344,8 @@ class Guesses:
             self._ask(found, swing)
             self._leave(found, {*y} - {*swing}, _DECAYS)
             live = [i for i in live if found[i].reason in _LEVELS]
-        if len(live) == 1 and level[live[0]] and (unit := by_unit(self.channels[live[0]])):
+        alone = live if len(live) == 1 and not any(of.may for of in found.values()) else []
+        if any(level[i] for i in alone) and (unit := by_unit(self.channels[live[0]])):
             found[live[0]] = Guess(unit, "the only signal")
             return
         drives = [i for i in live if found[i].quantity in EXCITATIONS]
@@ -472,7 +473,8 @@ class Guesses:
         ratios = self._ratios(found, columns)
         for i, r in ratios.items():
             if r is not None and abs(r - 1.0) > _ONE:
-                why = f"{r:.3g} times the" if r else "not a"
+                in_g = found[i].quantity == "acceleration" and abs(9.80665 * r - 1.0) < _SAME
+                why = "unit: g? It is " * in_g + (f"{r:.3g} times the" if r else "not a")
                 found[i] = replace(found[i], reason=f"{why} derivative of another column")
         return [i for i in ratios if found[i].reason not in _LEVELS]
 
@@ -593,7 +595,5 @@ class Guesses:
 
 def _near(factor: float, dimension: str) -> str:
     """Return the one unit of a dimension with about this factor; "" for none, or several."""
-    near = [
-        u.name for u in UNITS if u.dimension == dimension and abs(factor / u.factor - 1.0) < _SAME
-    ]
-    return near[0] if len(near) == 1 else ""
+    near = [u for u in UNITS if u.dimension == dimension and abs(factor / u.factor - 1.0) < _SAME]
+    return near[0].name if len(near) == 1 else ""

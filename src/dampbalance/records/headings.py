@@ -106,9 +106,10 @@ _RUN = re.compile(
 
 
 def last_part(name: str) -> str:
-    """Return the last part of a path of groups or structures; a quotient in brackets, x [m/s], is no path."""
+    """Return the last part of a path of groups or structures; a quotient in brackets, x [m/s], or an abbreviation,
+    rel. to table, is no path."""
     name = _RUN.sub("", name.strip())
-    return re.split(r"[/.](?=[^/.])(?![^\[(]*[\])])", name)[-1].strip()
+    return re.split(r"(?:/|\.(?!\s))(?=[^/.])(?![^\[(]*[\])])", name)[-1].strip()
 
 
 def axis_of(name: str) -> Iterator[tuple[str, str, str]]:

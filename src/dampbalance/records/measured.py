@@ -7,6 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -18,8 +19,9 @@ from .coordinate import ROTATION, TRANSLATION
 from .errors import RecordError, RecordWarning
 from .headings import runs_of
 from .mapping import MappingLike, RecordMapping, mapping_file, mapping_for, parts_of
-from .readers import opened
+from .readers import opened, table
 from .readers.formats import SUFFIXES
+from .readers.text import NoRows
 from .recognise import recognise
 from .record import Record
 from .table import Table, is_table, signals_file
@@ -69,20 +71,47 @@ def as_records(
 
 def files_of(records: Iterable[Any], mapping: MappingLike = None) -> Iterator[Any]:
     """Yield records, and for a folder the files in it: those whose suffix is that of a format, in the order of the
-    numbers in their names, without those that hold channels of others.
+    numbers in their names, without those that hold channels of others, and without texts of no numbers, such as
+    notes.txt beside files of another suffix. A pattern that no shell has expanded, level*.csv, stands for its files.
 
     Raises RecordError for a folder without such files.
     """
-    for one in records:
+    for one in _expanded(records):
         if not isinstance(one, str | Path) or not Path(one).is_dir():
             yield one
             continue
         files = [of for of in Path(one).iterdir() if of.is_file() and of.suffix.lower() in SUFFIXES]
         if not files:
             raise RecordError(f"{one}: holds no records, whose files end in {', '.join(SUFFIXES)}")
-        files.sort(key=lambda of: [part.zfill(9) for part in re.split(r"(\d+)", of.name)])
+        files.sort(key=_numbered)
         parts = {of: {*parts_of(of, mapping_for(of, mapping))} - {of} for of in files}
-        yield from (of for of in files if not any(of in others for others in parts.values()))
+        files = [of for of in files if not any(of in others for others in parts.values())]
+        texts = [of for of in files if of.suffix.lower() == ".txt"]
+        notes = [of for of in texts if texts != files and _is_of_words(of, mapping)]
+        yield from (of for of in files if of not in notes)
+
+
+def _expanded(records: Iterable[Any]) -> Iterator[Any]:
+    """Yield records, and for a pattern of names the files that have one, in the order of the numbers in them."""
+    for one in records:
+        pattern = isinstance(one, str | Path) and "*" in str(one) and not Path(one).exists()
+        yield from (sorted(glob(str(one)), key=_numbered) if pattern else ()) or [one]
+
+
+def _numbered(file: str | Path) -> list[str]:
+    """Return the name of a file with its numbers padded, to sort by."""
+    return [part.zfill(9) for part in re.split(r"(\d+)", Path(file).name)]
+
+
+def _is_of_words(file: Path, mapping: MappingLike) -> bool:
+    """Return whether a text holds no rows of numbers."""
+    try:
+        table(file, mapping_for(file, mapping))
+    except NoRows:
+        return True
+    except RecordError:
+        return False
+    return False
 
 
 def _in_memory(

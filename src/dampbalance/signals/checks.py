@@ -30,7 +30,11 @@ FEW_CYCLES = 10
 # factor of 2 %. From it on a change is reported and widens intervals.
 _SMALLEST_CHANGE = 2e-5
 _AMPLITUDE_WRONG = 0.1  # relative: channels contradict each other, or a record has no steady motion
-_UNITS = {1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for inches"}
+_UNITS = {
+    **{1000.0: "mm taken for m", 100.0: "cm taken for m", 25.4: "mm taken for inches"},
+    9.80665: "g taken for m/s², or the other way round",
+}
+_NEAR = 0.03  # relative: a factor of two units
 
 _FINE = 1 << 12  # steps of a converter of 12 bits; as many samples show them
 ROUNDING = 1e-9  # relative to a signal: rounding differs by less between two copies of it
@@ -159,9 +163,11 @@ def consistency(
         names = {"quantity": coordinate.noun(name), "other": coordinate.noun(first)}
         # 0.5 rad: no delay of a channel, but a sign or another quantity
         if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > 0.5:
+            size = max(gain, 1.0 / gain)
+            confused = (f" ({of}?)" for by, of in _UNITS.items() if abs(size / by - 1.0) < _NEAR)
             raise ValueError(
                 f"{names['quantity']} contradicts {names['other']}: at the drive frequency it shows {gain:.4g} times "
-                f"the motion, {signed(math.degrees(phase), 1)}° apart; "
+                f"the motion{next(confused, '')}, {signed(math.degrees(phase), 1)}° apart; "
                 f"{_TURNED if abs(phase) > 0.75 * math.pi else _UNCALIBRATED}"
             )
         late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)

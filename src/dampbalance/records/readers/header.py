@@ -35,6 +35,15 @@ _HEADING = re.compile(rf"(?:{_NUMBERED}|(\d+))(?:\s*\(([^)]*)\))?", re.IGNORECAS
 _SENSITIVITY = re.compile(
     rf"({_NUMBER})\s*([^\s,;|/]+(?:/s[²2^]*)?)\s*/\s*(\([^)]*\)|[^\s,;|)]+)", re.IGNORECASE
 )
+# the rate of a file that is stored at another one; and a gain of the volts, or dB: not where there is none
+_REDUCED = re.compile(
+    r"(?:decimat|resampl|down-?sampl|dezimier|unterabtast)\w*+(?!\W*(?:1|no|none|off|nein|aus)\b)",
+    re.IGNORECASE,
+)
+_GAIN = re.compile(
+    r"(?:\bgain|amplification|verstärkung).{0,20}?(?<![^\W_])(\d+(?:[.,]\d+)?)", re.IGNORECASE
+)
+_DECIBELS = re.compile(r"(\d+(?:[.,]\d+)?)\s*dB\b")
 
 
 def stated_rate(lines: Sequence[str], decimal: str, delimiter: str) -> dict[str, Any]:
@@ -50,6 +59,9 @@ def stated_rate(lines: Sequence[str], decimal: str, delimiter: str) -> dict[str,
     if any(abs(rate / rates[0][0] - 1.0) > 0.01 for rate, _ in rates):
         said = " or ".join(f"{rate:g} ({line!r})" for rate, line in rates)
         return {"fault": f"{said} samples a second? Say sample_rate_hz in a mapping"}
+    if rates and any(map(_REDUCED.search, lines)):
+        said = f"{rates[0][0]:g} ({rates[0][1]!r}) before or after decimation"
+        return {"fault": f"{said}? Say sample_rate_hz in a mapping"}
     return dict(zip(("rate_hz", "rate_line"), rates[0], strict=True)) if rates else {}
 
 
@@ -114,7 +126,7 @@ def described(
         own = {others + n: of for n, of in enumerate(sensors.values())}
     for i, cell in zip(reversed(range(len(columns))), reversed(cells), strict=False):
         own[i] = own.get(i) or replace(_sensor(cell, decimal), name="")
-    made = [*columns]
+    made, amplified = [*columns], any(_has_gain(_GAIN, line) for line in lines)
     for i, sensor in own.items():
         if sensor is None or not (sensor.name or sensor.scale > 0.0):
             continue
@@ -122,9 +134,16 @@ def described(
         if sensor.scale > 0.0 and raw.unit in (None, *VOLTS):
             unit, scale = sensor.unit, sensor.scale * VOLTS.get(raw.unit or "", math.nan)
             text += f": 1 if recorded in {unit}, {sensor.scale:.6g} if in V" * math.isnan(scale)
+            if scale > 0.0 and (amplified or _has_gain(_DECIBELS, text)):
+                text, scale = f"{text}: {scale:.6g} without a gain", math.nan
         name, unit = sensor.name or raw.name, unit or sensor.unit
         made[i] = replace(raw, name=name, unit=unit, scale=scale, described=text)
     return made
+
+
+def _has_gain(pattern: re.Pattern[str], line: str) -> bool:
+    """Return whether a line states a gain other than 1, or 0 dB."""
+    return any(float(of[1].replace(",", ".")) not in (0.0, 1.0) for of in pattern.finditer(line))
 
 
 def _key(heading: str) -> str:

@@ -55,6 +55,13 @@ _NUMBER = {
 _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
+def _halved(lines: Sequence[str]) -> bool:
+    """Return whether 0,5 is one number, not two: one heading with a unit stands above each of them."""
+    at = next((i for i, text in enumerate(lines) if re.fullmatch(r"-?\d+,\d+", text.strip())), 0)
+    unit = split_label(lines[at - 1].strip())[1] if at else None
+    return bool(unit and find_unit(unit) and not re.search("[,;|\t]", lines[at - 1]))
+
+
 class NoRows(RecordError):
     """A text that holds no rows of at least two numbers."""
 
@@ -374,12 +381,14 @@ def text_table(
         text = "".join(lines)
         possible = [mark for mark in possible if mark in text or mark == WHITESPACE]
     tables = {mark: [cells_of(line, mark, comment) for line in lines] for mark in possible}
+    halved = _halved(lines)
     fits = [
         (fit, delimiter, decimal)
-        for least in ([2] if mapping.sample_rate_hz is None else [2, 1])  # times may be missing
+        # times may be missing
+        for least in ([2] if mapping.sample_rate_hz is None and not halved else [2, 1])
         for delimiter, table in tables.items()
         for decimal in (mapping.decimal or ".,")
-        if decimal != delimiter
+        if decimal != delimiter and not (halved and delimiter == ",")
         if (fit := _first_row(table, decimal, mapping.header_lines, least))
     ]
     if not fits:
