@@ -413,3 +413,14 @@ def test_a_release_is_written_and_identified_to_the_same_bytes(tmp_path):
         written.append({one.name: one.read_bytes() for one in folder.iterdir()})
     assert written[0] == written[1]
     assert {"decays.svg", "decays.png", "identification.json"} <= set(written[0])
+
+
+def test_a_motion_of_metres_is_doubted():
+    """A millimetre read as a metre scales F_k, and only the size of the motion betrays it."""
+    read = record(PLUCKED)[0]
+    large = {q: replace(of, values=1e3 * of.values) for q, of in read.channels.items()}
+    found = identify_decay_records([replace(read, channels=large)], PLUCKED.k)
+    assert found.values["F_k"] == pytest.approx(1e3 * PLUCKED.F_k, rel=0.05)  # of the errors
+    assert found.verdicts["F_k"].verdict != USABLE
+    assert any(one.code == "implausible" for one in found.findings)
+    assert not any(one.code == "implausible" for one in plucked().findings)

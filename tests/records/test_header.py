@@ -74,6 +74,7 @@ NO_RATES = {
     "Calibration interval: 12 h": ",.",
     "Sampling rate (Hz),2,000": ",.",
     "Sample interval: 0.97": ",.",
+    "FS = 5000": ",.",
     "Sample rate 40960 Hz, decimated to 2560 Hz": ";.",
     "Sample rate: 10 kHz\nDecimation: 4": ";.",
 }

@@ -29,11 +29,12 @@ from ..project.options import Stated, options_of, with_options
 from ..project.spelling import spelled
 from ..project.wording import visible
 from ..records.channel import EXCITATIONS, ORDERS, Channel
-from ..records.coordinate import ROTATION
+from ..records.coordinate import ROTATION, TRANSLATION
 from ..records.mapping import MappingLike
 from ..records.measured import as_records
 from ..records.record import Record
 from ..signals.bursts import NoDecay, Signal, bursts_of, noise_of, sharpest, too_few_samples
+from ..signals.checks import plausible
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
 from ..signals.drive import stands_still
@@ -320,6 +321,11 @@ def identify_decay_records(
     selection = weighed(fit)
     fit = profiled(selection.fit)
     warnings += said_of(selection)
+    if records[0].coordinate == TRANSLATION:
+        omega = 2.0 * math.pi * fit.natural_frequency_hz
+        starts = [(fit.value(one.key("x")), fit.value(one.key("v"))) for one in fit.decays]
+        largest = max(math.hypot(x, v / omega) for x, v in starts)
+        warnings += plausible(0.0, largest, omega, "force")  # without a base
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):

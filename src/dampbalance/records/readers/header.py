@@ -75,7 +75,7 @@ def _rate(match: re.Match[str], decimal: str, delimiter: str) -> float | None:
     spelled = [text for text in (unit, unit and unit.split()[0], own) if text]
     known = next(filter(None, map(find_unit, spelled)), None)
     kind = "time" if re.sub(r"[\s_'’-]+", "_", key.lower()) in _STEPS else "frequency"
-    kind = known.dimension if known else "" if spelled else kind
+    kind = known.dimension if known else "" if spelled or key == "FS" else kind  # or full scale
     unit_in_si = known.factor if known else 1.0
     values = [of * unit_in_si for of in readings(number.rstrip(".,'"), decimal)]
     rates = {"time": [1.0 / of for of in values if of], "frequency": values}.get(kind, [])
