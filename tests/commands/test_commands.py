@@ -364,11 +364,12 @@ def test_an_interruption_of_imports_ends_in_a_line(module, tmp_path):
 
 
 def test_an_interrupted_command_names_what_it_has_written(tmp_path):
-    command, pipe = (
-        [sys.executable, *["-u", "-m", "dampbalance", "demo"], tmp_path],
-        subprocess.PIPE,
-    )
-    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True) as demo:
+    command = [sys.executable, "-u", "-m", "dampbalance", "demo", tmp_path]
+    pipes = dict.fromkeys(("stdout", "stderr"), subprocess.PIPE)
+    # a program in the background of a shell ignores Ctrl-C, and so do those that it starts
+    with subprocess.Popen(
+        command, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **pipes
+    ) as demo:
         first = demo.stdout.readline()
         demo.send_signal(signal.SIGINT)
         _, said = demo.communicate()
