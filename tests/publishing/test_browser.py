@@ -195,7 +195,7 @@ def test_a_report_of_a_measurement_fits_a_phone_and_prints_with_the_verdict_on_t
     assert view.eval_on_selector_all("*", WIDER) == []
     verdicts = view.locator("td .verdict").all()
     ends = [of["x"] + of["width"] for of in (one.bounding_box() for one in verdicts)]
-    assert len(ends) == 3
+    assert len(ends) == 6  # of F_k, c, K_z, m, f_n and ζ
     assert max(ends) <= PHONE["width"]
     # pictures are in the form for a phone, which is 90 mm wide: letters keep their size
     shown = view.eval_on_selector_all("picture img", "all => all.map(one => one.naturalWidth)")
