@@ -435,7 +435,7 @@ def test_signatures_write_out_the_options_of_the_table(kind):
     taken = [of for of in OPTIONS.values() if kind in (*of.kinds, "recognised")]
     taken = [OPTIONS["stiffness"], *(of for of in taken if of.name not in ("mapping", "stiffness"))]
     assert named == [(of.name, of.type, of.default) for of in taken]
-    assert all(f"\n    {name} : " in function.__doc__ for name, *_ in named[1:])
+    assert all(f"\n{name} : " in function.__doc__ for name, *_ in named[1:])
 
 
 @pytest.mark.parametrize("kind", WAYS)

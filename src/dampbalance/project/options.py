@@ -187,8 +187,10 @@ def with_options(function: Function) -> Function:
         if of.name not in ("stiffness", "mapping")  # which the docstring itself describes
     ]
     lines += ["unknown : no other; a misspelt one raises TypeError with the name that was meant."]
-    words = function.__doc__ or ""  # none under python -OO
-    function.__doc__ = words.replace(_DESCRIBED, "\n    ".join(lines))
+    words = (
+        inspect.getdoc(function) or ""
+    )  # none under python -OO; without indentation in any version
+    function.__doc__ = words.replace(_DESCRIBED, "\n".join(lines))
     return function
 
 
