@@ -1,21 +1,11 @@
-"""Two other ways from measurements to F_k, c and K_z, on three sets of the blind set, compared with `identify`.
+"""Another way from measurements to F_k, c and K_z, on three sets of the blind set, compared with `identify`.
 
-The first is what many would write: simulate the records with `solve_ivp` until the motion repeats, and let
+It is what many would write: simulate the records with `solve_ivp` until the motion repeats, and let
 `scipy.optimize.least_squares` fit m, c, F_k and K_z to all samples, from a start 30 % off. It is given the frequency.
-
-The second takes no drive at all: the mass is released at the highest displacement of the records, or at 30 F_k/k if
-that is more, with the noise that those have, as often as fits into their duration. From reversal to reversal the
-displacement shrinks as
-
-    |x_{i+1}| = q |x_i| − (1 + q) F_k/k,     q = e^{−πζ/√(1 − ζ²)}
-
-by a viscous and a dry part (rigid contact); a straight line through the pairs gives q and F_k, and the time between
-reversals the mass, thus c = 2ζ√(k m). It does not give K_z.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 import time
 from collections.abc import Callable
@@ -24,17 +14,15 @@ import numpy as np
 import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
-from scipy.signal import find_peaks, savgol_filter
 
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.wording import markdown_table
 from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 
-from .other_motion import ring_down
-from .records import levels, records
+from .records import records
 from .score import HELD, SYMBOLS, numbers
-from .truths import SEED, Truth, draw
+from .truths import Truth, draw
 
 SETS = (198, 424, 485)
 """Displacement and base displacement, 1 % noise, one slip per half cycle: ζ = 0.43, 0.13 and 0.025."""
@@ -46,7 +34,6 @@ _STEADY = 1e-5  # of the displacement: change over a period at which the simulat
 _MOST_PERIODS = 400
 _RTOL, _POINTS = 1e-6, 2000
 _OFF = np.array([1.3, 0.7, 1.3, 0.7])  # the start of m, c, F_k, K_z, over the truth
-_RELEASE = 30.0  # F_k/k: from less, too few reversals tell viscous from dry friction
 
 
 def simulated(
@@ -104,54 +91,6 @@ def simulated_fit(truth: Truth, measured: list[Record]) -> Found:
     return {"F_k": F_k, "c": c, "K_z": K_z}
 
 
-def free_decay(truth: Truth, measured: list[Record]) -> Found:
-    """Return line through successive reversals of free decays.   measured : the records whose time the decays may
-    take."""
-    highest = levels(truth)[-1]
-    sigma = highest.sigma("displacement")
-    begin = max(highest.rms("displacement") * math.sqrt(2.0), _RELEASE * truth.F_k / truth.k)
-    step = 1.0 / truth.rate_hz
-    swing = 2.0 * math.pi / truth.omega_n
-    lasts = swing * min(60.0, 1.0 / truth.zeta + 2.0)
-    given = sum(float(one["displacement"].t[-1]) for one in measured)
-    clean = ring_down(truth, begin, step, lasts)[0]
-    random = np.random.default_rng((SEED, truth.index, 7))
-    pairs, durations = [], []
-    window = max(5, round(0.1 * swing / step) | 1)
-    for _ in range(max(1, int(given / lasts))):
-        x = clean + sigma * random.standard_normal(clean.size)
-        smooth = savgol_filter(x, window, 2)
-        clear = {"height": 5.0 * sigma, "distance": window}
-        places = np.sort(np.concatenate([find_peaks(s * smooth, **clear)[0] for s in (1, -1)]))
-        places = np.insert(places[places > window], 0, 0)
-        sizes = np.abs(smooth[places])
-        sizes[0] = begin  # where it was held before the release
-        # the contact slips on the way back from three times F_k/k and more
-        slips = sizes[:-1] > 3.0 * truth.F_k / truth.k
-        pairs += list(np.array(list(itertools.pairwise(sizes)))[slips])
-        durations += list(np.diff(places)[slips] * step)
-    if len(pairs) < 3:
-        return dict.fromkeys(SYMBOLS, (math.nan, math.nan))
-    before, after = np.array(pairs).T
-    A = np.column_stack([before, np.ones(before.size)])
-    (q, offset), *_ = np.linalg.lstsq(A, after, rcond=None)
-    scatter = float(np.sum((after - A @ (q, offset)) ** 2)) / (before.size - 2)
-    covariance = scatter * np.linalg.inv(A.T @ A)
-    half = float(np.mean(durations))
-
-    def values(q: float, offset: float) -> np.ndarray:
-        delta = -math.log(min(max(q, 1e-9), 1.0 - 1e-9)) / half  # ζ ω_n
-        mass = truth.k / ((math.pi / half) ** 2 + delta**2)
-        return np.array([-offset / (1.0 + q) * truth.k, 2.0 * delta * mass])
-
-    F_k, c = values(q, offset)
-    changes = ((1e-6, 0.0), (0.0, 1e-6 * begin))
-    slopes = [(values(q + d, offset + e) - values(q, offset)) / (d + e) for d, e in changes]
-    slopes = np.column_stack(slopes)
-    errors = np.sqrt(np.diag(slopes @ covariance @ slopes.T))
-    return {"F_k": (F_k, errors[0]), "c": (c, errors[1]), "K_z": (math.nan, math.nan)}
-
-
 def identified(approach: str) -> Callable[[Truth, list[Record]], Found]:
     """Return an approach of `identify`."""
 
@@ -170,7 +109,6 @@ def compared(index: int) -> list[dict[str, object]]:
     ways = {f"identify, {approach}": identified(approach) for approach in HELD}
     next(iter(ways.values()))(truth, measured)  # compiles its kernels
     ways["simulated response, least_squares"] = simulated_fit
-    ways["free decay"] = free_decay
     rows: list[dict[str, object]] = []
     for name, way in ways.items():
         began = time.process_time()
