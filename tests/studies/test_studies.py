@@ -242,12 +242,6 @@ def test_sizes_are_counted_as_if_all_were_there():
 # --- a rigid contact: the limit X_s → −X of every approach, whose costs follow in closed form -----
 
 
-def test_below_the_slip_limit_a_rigid_contact_slips_all_the_same():
-    stuck = features_at(levels=(1e-5,))
-    assert stuck.a.tolist() == [0.0]
-    assert stuck.rigid().a == pytest.approx(4.0 * stuck.X)
-
-
 @pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())
 @pytest.mark.parametrize(("fit", "levels"), [("least_squares", range(5)), ("pair_2_5", (1, 4))])
 def test_the_cost_in_closed_form(computed, hertz, fit, levels):

@@ -27,7 +27,6 @@ from . import (
     joints,
     laws,
     loops,
-    others,
     score,
 )
 from .truths import SEED
@@ -99,7 +98,6 @@ PARTS = {
         _drawn(range(len(efficiency.TRUTHS))), efficiency.replicate, efficiency.table
     ),
     "faults": Part(lambda _: faults.RUNS, faults.tried, faults.table),
-    "others": Part(lambda _: others.SETS, others.compared, others.table),
     "laws": Part(_drawn(laws.LAWS), laws.outcome, laws.table),
     "decays": Part(_seeded, decrements.tried, decrements.table),
     "decay_laws": Part(_decays_on_laws, decay_laws.outcome, decay_laws.table),

@@ -28,8 +28,8 @@ CasesLike: TypeAlias = str | Path | pd.DataFrame
 """The table of cases: its file, or the table itself."""
 
 MANY = 100_000
-"""A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and
-compressing them takes longer than computing them."""
+"""From this number of cases on the table is written uncompressed: distinct numbers hardly compress, and compressing
+them takes longer than computing them."""
 
 
 def stretches(cases: CasesLike, names: Sequence[str]) -> Iterator[dict[str, Words]]:

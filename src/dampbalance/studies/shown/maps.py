@@ -23,9 +23,9 @@ from ..study_file import Estimator, Sampled, Study
 from .shown_as import ShownAs, shown_as
 from .statistics import Sizes, places_of
 
-REGION = 0.9  # share of the cases of a bin that its colour is about: nine of ten, as a single one would be chance
-FINEST_LEVEL = 0.1  # of the bound: no lines at smaller errors
-# %: colours tell no smaller errors from zero, and no larger ones from each other
+REGION = 0.9  # share of the cases of a bin whose error its colour bounds; the largest one would depend on chance
+FINEST_LEVEL = 0.1  # of the bound: smallest error with a line
+# %: smaller errors have the colour of zero, larger ones all the same colour
 LEAST_COLOURED, MOST_COLOURED = 1e-2, 1e3
 
 RIGHT_OF_MAPS = 17.0  # mm

@@ -1,4 +1,4 @@
-"""Statistics of errors: counted a stretch of cases at a time, or over many runs with what their number leaves open."""
+"""Statistics of errors: counted a stretch of cases at a time, or over many runs, with their own uncertainty."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ def share_interval(count: int, runs: int) -> tuple[float, float]:
 
 
 def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
-    """Return least relative standard error, by term, that an unbiased estimate from the records of a case can have.
+    """Return the smallest relative standard error of an unbiased estimate from the records of a case, by term.
 
     cases : numbers of cases that differ only by their noise (the axis `run`). The Cramér–Rao bound takes m, k and the
     drive frequency as known and K_z as unknown. NaN where the records are not noisy ones, the cases differ in more,
