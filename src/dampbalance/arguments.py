@@ -27,7 +27,7 @@ _WORD = 2**63 - 1  # the largest integer of an array
 
 
 class Bounds(NamedTuple):
-    """Bounds of a number.   unit : SI.   low, high : both allowed.   remedy : what else to do about a wrong one."""
+    """Bounds of a number.   unit : SI.   low, high : both allowed.   remedy : advice for a wrong value."""
 
     unit: str = ""
     low: float = SMALLEST
@@ -105,9 +105,10 @@ def whole(name: str, value: object, bounds: Bounds | None = None) -> int:
 
 
 def numbers(name: str, value: object, *, missing: bool = False, signed: bool = False) -> Array:
-    """Return a number of the table, or an array of them of any shape.   missing : whether one may be, which is then
-    NaN.
-    signed : whether it may be negative all the same, as the estimate of a positive number may.
+    """Return a number, or an array of any shape, as floats within the bounds of its name in the table.
+
+    missing : whether elements may be missing; they are NaN.   signed : whether negative values are allowed, too, as
+    for the estimate of a positive number.
     """
     bounds = NUMBERS[name]
     if signed:
@@ -124,7 +125,7 @@ def numbers(name: str, value: object, *, missing: bool = False, signed: bool = F
 
 
 def floats(values: Any) -> Array:
-    """Return real numbers as an array of floats, a copy only where it must be; a masked or missing one is NaN.
+    """Return real numbers as an array of floats, copied only if necessary; a masked or missing one is NaN.
 
     Raises ValueError saying what they are instead: "texts".
     """
@@ -182,7 +183,7 @@ def one_of(name: str, value: object, known: Collection[str]) -> str:
 def names(name: str, value: object, known: Collection[str] = ()) -> tuple[str, ...]:
     """Return names in their order: a sequence, or a text with commas between them, as on the command line.
 
-    known : of which they are, unless any will do.
+    known : the names that are allowed; default, any.
     """
     several = (
         value.split(",") if isinstance(value, str) else items(name, value, "a sequence of names")

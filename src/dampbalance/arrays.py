@@ -1,4 +1,4 @@
-"""Types of arrays, and a mapping that stays as it is, named once for the whole package."""
+"""Types of arrays, and a read-only mapping, for the whole package."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Value = TypeVar("Value", covariant=True)
 
 
 class ReadOnly(Mapping[Key, Value]):
-    """A mapping that nobody changes; unlike MappingProxyType it can be copied and pickled."""
+    """A read-only mapping that, unlike MappingProxyType, can be copied and pickled."""
 
     def __init__(self, items: Mapping[Key, Value]) -> None:
         self._items = dict(items)

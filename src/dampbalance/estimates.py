@@ -1,4 +1,4 @@
-"""The table of all that the balances give at one frequency: every approach, pair by pair and by least squares."""
+"""The table of estimates at one frequency: every approach, pair by pair and by least squares."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from .solver import (
     mean_and_deviation,
     pair,
     pair_label,
-    solve,
 )
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
 
 
 def estimate_columns() -> list[str]:
-    """Return columns of a table of estimates, in order."""
+    """Return the columns of a table of estimates, in order."""
     return [
         "approach",  # a key of APPROACHES
         "kind",  # pair, mean, std (of the pairs: columns of coefficients hold the deviations) or least_squares
@@ -53,17 +52,15 @@ def estimate_table(
     approaches: Sequence[str] = (),
     common_approaches: Sequence[Approach] = (),
 ) -> pd.DataFrame:
-    """Return everything the balances say of one frequency: each approach, pair-wise and least squares, one tidy row
-    each.
+    """Return the estimates of one frequency by each approach, pair-wise and by least squares, one row each.
 
     features : of n responses with their individual φ and t_s.   k : stiffness, N/m.   chosen : pairs, counted from 0.
-    common : the same responses with one φ and one t_s; default: the means over the responses that slip.
-    approaches : objects, or names of built-in ones; default: all of these.   common_approaches : those to use with
-    `common`; default: the same.
+    common : the same responses with one φ and one t_s; default, the means over the responses that slip.
+    approaches : objects, or names of built-in ones; default, all built-in ones.
+    common_approaches : those to use with `common`; default, the same.
 
-    Approaches that take no choice of φ and t_s (`Approach.takes_phase`) appear as "individual" only. What cannot be
-    estimated, because a level lacks a feature, stays in the table with NaN and the reason as its note: one level
-    without slip stops nothing.
+    Approaches that do not depend on φ and t_s (`Approach.takes_phase`) appear as "individual" only. An estimate that
+    does not exist, because a level lacks a feature, is NaN, with the reason as its note.
     Columns: `estimate_columns()`; the order of the rows is fixed.
     """
     import pandas as pd  # slow to import, and needed for tables only
@@ -83,15 +80,14 @@ def estimate_table(
 def _records(
     name: str, phase: str, rows: Rows, features: Features, chosen: Sequence[Pair]
 ) -> list[dict[str, object]]:
-    """Return the lines of the table for one approach: its pairs, their mean and deviation, the least squares."""
+    """Return the rows of the table for one approach: its pairs, their mean and deviation, the least squares."""
     swing = features.X + features.X_s
     head: dict[str, object] = {"approach": name, "phase": phase, "note": ""}
     records, estimates = [], []
-    of_pairs = solve(rows[np.transpose(chosen)]).cases if chosen else []
-    for n, (i, j) in enumerate(chosen):
+    for i, j in chosen:
         line = head | {"kind": "pair", "pair": pair_label(i, j), "levels": 2}
         try:
-            estimates.append(of_pairs[n] if np.isfinite(of_pairs[n].residual) else pair(rows, i, j))
+            estimates.append(pair(rows, i, j))
             line |= _numbers(estimates[-1], swing[[i, j]])
         except ValueError as error:
             line |= {"levels": 0, "note": str(error)}
@@ -117,8 +113,7 @@ def _in_columns(values: Mapping[str, Any]) -> dict[str, object]:
 
 
 def _numbers(estimate: Estimate, swing: Array) -> dict[str, object]:
-    """Return an estimate as columns of the table; `swing` are the lengths X + X_s of its responses' microstick lines,
-    m."""
+    """Return an estimate as columns of the table.   swing : lengths X + X_s of the microstick lines, m."""
     K_z = math.nan
     if "F_k" in estimate.values:
         K_z = float(contact_stiffness(estimate["F_k"], float(swing.mean()), 0.0))

@@ -5,7 +5,7 @@ Numba's own disk cache looks only at the file of the compiled function: a kernel
 after a kernel that it calls, in another file, was edited. Here the cache folder carries a digest of every module that
 kernels are made of: an edit of any of them means a fresh compilation, and two versions of the package never share one.
 
-Numba itself is imported by the first call: what asks for no response does not wait for it.
+Numba itself is imported by the first call, so that commands which call no kernel start without it.
 """
 
 from __future__ import annotations

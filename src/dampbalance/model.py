@@ -53,17 +53,24 @@ def named_with_unit(name: str, unit: str) -> str:
 
 
 class NoOscillator(ValueError):
-    """A number that no oscillator, or no motion of its base, has."""
+    """A value outside the bounds of an oscillator or of its base motion; the message names the field and its bounds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Oscillator:
-    """Mass, damper, spring and compliant friction contact.
+    """A mass on a spring and a viscous damper with a compliant friction contact, the system of Eqs. (1)–(3).
 
-    m : mass, kg, > 0.   c : viscous damping, N s/m, ≥ 0.   k : stiffness, N/m, > 0.
-    K_z : contact stiffness, N/m, > 0 and finite.   F_k : friction force in slip, N, ≥ 0.
+    `steady_orbit`, `steady_orbits` and `transient` compute its motion, `study` the errors of its identification. For a
+    rigid contact choose a large finite K_z, 1000 k for example; F_k = 0 removes the contact, c = 0 the damper. To vary
+    one number use `dataclasses.replace(oscillator, F_k=2.0)`.
 
-    Raises NoOscillator, a ValueError, naming the field and what it may be.
+    m : mass, kg, > 0.
+    c : viscous damping coefficient, N s/m, ≥ 0.
+    k : stiffness of the spring to the base, N/m, > 0.
+    K_z : stiffness of the contact, N/m, > 0 and finite.
+    F_k : friction force while the contact slips, N, ≥ 0.
+
+    Raises NoOscillator, a ValueError, naming the field and its bounds.
     """
 
     m: float
@@ -82,7 +89,7 @@ class Oscillator:
 
     @property
     def zeta(self) -> float:
-        """Viscous damping ratio ζ = c / (2 √(k m))."""
+        """Viscous damping ratio, ζ = c / (2 √(k m))."""
         return self.c / (2.0 * math.sqrt(self.k * self.m))
 
     @property
@@ -93,11 +100,13 @@ class Oscillator:
 
 @dataclass(frozen=True, slots=True)
 class BaseMotion:
-    """Harmonic motion of the base, y(t) = Y cos ωt.
+    """The harmonic motion of the base that drives an oscillator through its spring, y(t) = Y cos ωt.
 
-    Y : amplitude, m, > 0.   omega : circular frequency, rad/s, > 0 (ω = 2π f; the paper gives f in Hz).
+    A force of the amplitude F on the mass is the same drive, with Y = F/k.
 
-    Raises NoOscillator, a ValueError, naming the field and what it may be.
+    Y : amplitude, m, > 0.   omega : circular frequency ω = 2πf, rad/s, > 0; the paper gives f in Hz.
+
+    Raises NoOscillator, a ValueError, naming the field and its bounds.
     """
 
     Y: float
@@ -108,7 +117,7 @@ class BaseMotion:
 
     @property
     def period(self) -> float:
-        """Duration of one cycle, T = 2π/ω, s."""
+        """Period of the drive, T = 2π/ω, s."""
         return 2.0 * math.pi / self.omega
 
     def y(self, t: ArrayLike) -> Array:
@@ -129,8 +138,10 @@ class Parameters(NamedTuple):
 
 
 def parameters(oscillator: Oscillator, motion: BaseMotion | None) -> Parameters:
-    """Return the numbers of an oscillator and its excitation; None for a base at rest, Y = 0. Raises ValueError for
-    others."""
+    """Return the numbers of an oscillator and its excitation, those of a base at rest, Y = 0, without one.
+
+    Raises ValueError for objects of other classes.
+    """
     o = instance("oscillator", oscillator, Oscillator)
     if motion is not None:
         instance("motion", motion, BaseMotion)

@@ -32,12 +32,9 @@ Pair = tuple[int, int]
 NORMAL_95 = 1.959963984540054
 """Standard errors on either side that hold 95 % of a normal distribution."""
 
-
 # Responses are one and the same when a column of A, scaled to unit length, encloses with those before it an angle below
 # this: they differ by rounding. Two levels that differ by one part in a million enclose 5e-7.
 SINGULAR = 1e-12
-
-_CASES_AT_ONCE = 16384  # cases at once: enough of them for arrays to be quick, few enough for the processor's cache
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,32 +55,19 @@ class Estimate:
     def __getitem__(self, symbol: str) -> Array:
         return self.values[symbol]
 
-    @property
-    def cases(self) -> list[Estimate]:
-        """The estimates of the cases of a one-dimensional array of them, each by itself."""
-        return [
-            Estimate(
-                {symbol: values[case] for symbol, values in self.values.items()},
-                self.residual[case],
-                self.covariance[..., case],
-                self.n[case],
-            )
-            for case in range(len(self.residual))
-        ]
-
     def standard_error(self, symbol: str) -> Array:
-        """Return the standard error of a coefficient: root of the diagonal of the covariance."""
+        """Return the standard error of a coefficient, the root of its diagonal element of the covariance."""
         j = list(self.values).index(symbol)
         error: Array = np.sqrt(self.covariance[j, j])
         return error
 
 
 def solve(rows: Rows) -> Estimate:
-    """Return the coefficients that fit the usable rows of each case best, p = (AᵀA)⁻¹ Aᵀ W, Eq. (9).
+    """Return the least-squares coefficients of each case from its usable rows, p = (AᵀA)⁻¹ Aᵀ W, Eq. (9).
 
-    rows : of shape (L, …), the cases behind the first axis. Rows with a NaN are left out. A case with fewer usable rows
-    than unknowns, or whose rows describe one and the same response, has NaN. Where the rows have a covariance, each
-    case is solved again and again until its weights stay as they are.
+    rows : of shape (L, …), the cases along the further axes. Rows with a NaN are left out. A case with fewer usable
+    rows than unknowns, or whose rows describe the same response, is NaN. Rows with a covariance are solved repeatedly,
+    until the weights have settled.
     """
     if rows.covariance is None:
         return _solved(rows)
@@ -109,11 +93,9 @@ def solve(rows: Rows) -> Estimate:
 def _solved(rows: Rows) -> Estimate:
     """Solve rows with the weights that they have."""
     symbols = [symbol for symbol in rows.terms if symbol not in rows.given]
-    shape, cases = rows.W.shape, rows.W.shape[1:]
-    flat = (shape[0], math.prod(cases))
     usable = rows.usable
     kept = usable if rows.weights is None else np.where(usable, np.sqrt(rows.weights), 0.0)
-    columns = np.empty((len(symbols), *shape))
+    columns = np.empty((len(symbols), *rows.W.shape))
     with np.errstate(invalid="ignore"):  # ∞ · 0 in a row that is left out
         for column, symbol in zip(columns, symbols, strict=True):
             np.multiply(rows.terms[symbol], kept, out=column)
@@ -124,43 +106,21 @@ def _solved(rows: Rows) -> Estimate:
         for array in (columns, right, full):
             array[..., ~usable] = 0.0
     n = np.asarray(np.count_nonzero(usable, axis=0))
-    values, residual, covariance = _solve_cases(
-        columns.reshape(len(symbols), *flat), right.reshape(flat), full.reshape(flat), n.ravel()
-    )
-    return Estimate(
-        {symbol: v.reshape(cases)[()] for symbol, v in zip(symbols, values, strict=True)},
-        residual.reshape(cases)[()],
-        covariance.reshape(len(symbols), len(symbols), *cases),
-        n[()],
-    )
-
-
-def _solve_cases(
-    columns: Array, right: Array, full: Array, n: Integers
-) -> tuple[Array, Array, Array]:
-    """Return (values (p, cases), residual (cases,), covariance (p, p, cases)) of n usable rows of each case, the others
-    zero.
-
-    columns : of A, (p, L, cases).   right : W without what is given, full : all of W, (L, cases).
-
-    A = QR by Gram–Schmidt, each column orthogonalised twice, on columns of unit length; one step of iterative
-    refinement keeps the digits of a small row next to a large one. Every operation is one of all cases of a block, each
-    by itself, and sums over rows are taken in their order: a case has the same bits in any company.
-    """
-    p, _, cases = columns.shape
-    values, residual = np.empty((p, cases)), np.empty(cases)
-    covariance = np.empty((p, p, cases))
-    for start in range(0, cases, _CASES_AT_ONCE):
-        some = slice(start, start + _CASES_AT_ONCE)
-        values[:, some], residual[some], covariance[:, :, some] = _solve_block(
-            columns[:, :, some], right[:, some], full[:, some], n[some]
-        )
-    return values, residual, covariance
+    values, residual, covariance = _solve_cases(columns, right, full, n)
+    found = {symbol: value[()] for symbol, value in zip(symbols, values, strict=True)}
+    return Estimate(found, residual[()], covariance, n[()])
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore")
-def _solve_block(A: Array, W: Array, full: Array, n: Integers) -> tuple[Array, Array, Array]:
-    """Solve one block of cases as in `_solve_cases`."""
+def _solve_cases(A: Array, W: Array, full: Array, n: Integers) -> tuple[Array, Array, Array]:
+    """Return (values (p, …), residual (…), covariance (p, p, …)) of n usable rows of each case, the others zero.
+
+    A : columns, (p, L, …).   W : without what is given, full : all of it, (L, …).
+
+    A = QR by Gram–Schmidt, each column orthogonalised twice, on columns of unit length; one step of iterative
+    refinement keeps the digits of a small row next to a large one. Every operation works case by case, and sums over
+    rows are taken in their order: a case has the same bits in any company.
+    """
     Q, R, scale, smallest = _factorised(A)
     values, rest = np.zeros(scale.shape), W
     for _ in range(2):
@@ -182,10 +142,10 @@ def _solve_block(A: Array, W: Array, full: Array, n: Integers) -> tuple[Array, A
 
 
 def _factorised(A: Array) -> tuple[Array, Array, Array, Array]:
-    """Return (Q, R, scale, smallest) of A (p, L, cases): the reciprocal lengths of its columns, and the smallest sine
-    of the angle that a column makes with those before it, NaN for a column of zeros."""
-    p, _, cases = A.shape
-    Q, R, scale = np.empty(A.shape), np.zeros((p, p, cases)), np.empty((p, cases))
+    """Return (Q, R, scale, smallest) of A (p, L, …): reciprocal lengths of its columns, and the smallest sine of the
+    angle of a column to those before it, NaN for a column of zeros."""
+    p, _, *cases = A.shape
+    Q, R, scale = np.empty(A.shape), np.zeros((p, p, *cases)), np.empty((p, *cases))
     smallest = np.ones(cases)
     for j in range(p):
         scale[j] = _ratio(1.0, np.sqrt(_dot(A[j], A[j])))
@@ -202,10 +162,9 @@ def _factorised(A: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _inverse_of_normal(R: Array, scale: Array) -> Array:
-    """Return (AᵀA)⁻¹ = H Hᵀ, (p, p, cases); H: inverse of the upper triangular R, in the units of the unscaled
-    columns."""
-    p, cases = scale.shape
-    H, product = np.zeros((p, p, cases)), np.empty((p, p, cases))
+    """Return (AᵀA)⁻¹ = H Hᵀ, (p, p, …); H: inverse of the upper triangular R, in the units of the unscaled columns."""
+    p = len(scale)
+    H, product = np.zeros(R.shape), np.empty(R.shape)
     for column in range(p):
         H[column, column] = _ratio(1.0, R[column, column])
         for j in reversed(range(column)):
@@ -220,7 +179,7 @@ def _inverse_of_normal(R: Array, scale: Array) -> Array:
 
 
 def _dot(u: Array, v: Array) -> Array:
-    """Return Σ u v over the rows of arrays (L, cases), in their order."""
+    """Return Σ u v over the rows of arrays (L, …), in their order."""
     total = np.zeros(u.shape[1:])
     for a, b in zip(u, v, strict=True):
         total += a * b
@@ -233,8 +192,7 @@ def _ratio(x: Array | float, y: Array) -> Array:
 
 
 def least_squares(rows: Rows) -> Estimate:
-    """Return the coefficients that fit all usable rows of one case best: `solve`, with an error where there is no
-    solution.
+    """Return the least-squares coefficients of one case, like `solve`, or raise an error that says why there are none.
 
     Raises ValueError for fewer usable rows than unknowns, or when all usable rows describe the same response.
     """
@@ -284,7 +242,7 @@ def pair(rows: Rows, i: int, j: int) -> Estimate:
 def mean_and_deviation(
     estimates: Sequence[Mapping[str, ArrayLike]],
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Return the mean and standard deviation (divisor n − 1, NaN for n = 1) of estimates by symbol, as the paper has of
+    """Return mean and standard deviation (divisor n − 1, NaN for n = 1) of estimates by symbol, as the paper states for
     its pairs.
 
     estimates : the values of each, by symbol. Raises ValueError when there are none.
@@ -302,8 +260,8 @@ def contact_stiffness(F_k: ArrayLike, X: ArrayLike, X_s: ArrayLike) -> Array:
     Eq. (10), corrected: from the reversal at −X to the onset of slip at X_s the contact spring swings from −Z_m to +Z_m
     with F_k = K_z Z_m. The paper prints the inverse without the 2, which has the unit of a compliance.
 
-    F_k : N.   X, X_s : m (X_s < 0), any shapes that broadcast. NaN where X_s is NaN, and where it lies at or beyond −X:
-    a microstick line without length has no stiffness; read X and X_s with more digits, or take the contact as rigid.
+    F_k : N.   X, X_s : m (X_s < 0), any shapes that broadcast. NaN where X_s is NaN, and where it lies at or beyond −X,
+    as a microstick line without length has no stiffness; read X and X_s with more digits, or assume a rigid contact.
     """
     swing = numbers("X", X, missing=True) + numbers("X_s", X_s, missing=True)
     force = numbers("F_k", F_k, missing=True, signed=True)

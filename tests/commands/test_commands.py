@@ -205,21 +205,6 @@ def test_a_mapping_to_start_from_is_saved_and_used(tmp_path, answer):
     assert 'notes: "mine"' in answer(*command, "--write-mapping", mapping, "--overwrite")
 
 
-def test_responses_that_do_not_slip_are_said_to_be_so(tmp_path, answer):
-    records = []
-    for i, amplitude in enumerate(("0.002", "0.004", "0.006"), start=1):
-        records.append(str(tmp_path / f"run{i}.csv"))
-        command = f"{records[-1]} --frequency 4 --amplitude {amplitude} --friction 100 --seed {i}"
-        answer("simulate", *command.split(), "--rate", 1000, "--cycles", 20, "--noise", 0.01)
-    said = answer("identify", *records, *COMMON, "--mass", "2.42", "--details")
-    assert "those of a linear oscillator within their noise" in " ".join(said.split())
-    assert "maximum likelihood" not in said  # nor a mass that such records hardly know
-    # nothing is known of a friction force that is too large
-    assert re.search(r"^F_k \(N\) +– +none$", said, re.MULTILINE)
-    value, half = map(float, re.search(r"^c \(N s/m\) +(\S+) ± (\S+)", said, re.MULTILINE).groups())
-    assert abs(value - 90.0) < 2.0 * half < 0.05 * 90.0  # four standard errors
-
-
 # --- simulate -------------------------------------------------------------------------------------
 
 OMEGA = 2.0 * np.pi * 4.92  # of the records below, 1/s
@@ -254,9 +239,7 @@ def test_sliders_and_laws_are_what_damps_a_simulated_record(tmp_path, option, va
     ("channels", "amplitude", "most"),
     [
         ("force acceleration", "2.5", 2.5),
-        ("force displacement", "0.5 lbf", 0.5 * 4.4482216152605),
         ("torque angle", "30 N mm", 0.03),
-        ("base_displacement velocity", "3 mm", 0.003),
         ("base_acceleration velocity", "0.003", 0.003 * OMEGA**2),
     ],
 )
@@ -326,11 +309,9 @@ def test_what_is_misspelt_is_recognised(arguments, meant, answer):
 
 def test_a_quiet_command_says_nothing_but_errors_and_the_document_asked_for(tmp_path, capsys):
     record, found = tmp_path / "a.csv", tmp_path / "found"
-    release = (
-        "release",
-        record,
-        *["--displacement", "0.02", "--damp", "3", "--quiet"],
-    )  # abbreviated
+    # --damping is abbreviated; the record is short
+    how = ["--displacement", "0.02", "--damp", "3", "--rate", "500", "--duration", "1.5"]
+    release = ("release", record, *how, "--quiet")
     assert code_of(*release) == 0
     identified = ["identify", record, "--stiffness", "2310", "--quiet"]
     assert code_of(*identified, "--output", found, "--no-figures") == 0

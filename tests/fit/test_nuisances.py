@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from blind.decays import Decay
-from blind.gradual import CONTACTS, ring_down_on, steady_on
-from blind.other_motion import STEPS, Departure, steady
+from blind.gradual import CONTACTS, steady_on
+from blind.other_motion import STEPS, Departure, ring_down_on, steady
 from dampbalance import BaseMotion, Oscillator, steady_orbit
 from dampbalance.fit.multistart import Trail
 from dampbalance.fit.nuisances import FALLING, FOLDED, NUISANCES, in_other_frame

@@ -248,14 +248,6 @@ def test_a_response_with_several_reversals_has_no_single_onset():
     assert worst(read, of_orbit(exact), "X", "b", "W") < 1e-6  # X is that of a sample: (h ω)² / 2
 
 
-def test_a_stick_phase_of_two_samples_is_not_read():
-    exact = orbit()
-    per_cycle = 2.2 * exact.motion.period / exact.t_s
-    read = of_record(sampled(exact, per_cycle, cycles=4.0), OMEGA, PAPER.k)
-    assert np.isnan(read.X_s[0])
-    assert read.regime[0].startswith("no slip onset")
-
-
 def test_records_that_cannot_be_read_are_refused():
     record = sampled(orbit(), 1000.0)
     for one, omega, reading, message in (
@@ -275,7 +267,7 @@ def test_records_that_cannot_be_read_are_refused():
 
 @pytest.mark.parametrize(
     ("start", "stop"),
-    [(0, 40), (0, 39), (3.3, 36.8), (2, 4), (2, 6), (3.3, 3.9), (2.7, 3.2), (0.2, 39.9)],
+    [(0, 40), (0, 39), (3.3, 36.8), (2, 4), (3.3, 3.9), (2.7, 3.2)],
 )
 def test_integral_is_exact_for_cubics(start, stop):
     t = np.arange(41.0)
@@ -307,13 +299,11 @@ READ = [
     ({"X_decimals": 6, "X_s_decimals": 6}, EXACT | {"X": 0.006047, "X_s": -0.006035, "X_r": 0.006035}),
     # 12.3 marks: 13 below 0.006047; a whole mark is that mark
     ({"X_decimals": 6, "X_s_mark": 1e-6}, {"X_s": -0.006034, "X_r": 0.006034}),
-    ({"X_s_mark": 12.3077e-6}, {"X_s": -0.0060350661}),
     ({"V_s_decimals": 4}, EXACT | {"V_s": 0.0117, "V_r": -0.0117}),
     ({"phi_decimals": 2}, EXACT | {"phi": 1.55, "phi_fundamental": 1.57}),
     ({"X_n_decimals": 5}, EXACT | {"X_1": 0.00603, "X_3": 6e-5, "X_5": 1e-5}),
     ({"t_s_unit": 1e-4}, EXACT | {"t_s": 2.0e-3, "t_r": 2.0e-3}),
     ({"t_s_inset": 4e-5, "t_s_unit": 1e-4}, {"t_s": 1.9e-3}),
-    ({"t_s_inset": 4e-5}, {"t_r": 1.9933e-3}),
 ]  # fmt: skip
 
 

@@ -157,15 +157,13 @@ def test_given_values_go_to_the_right_side(known):
 
 @given(seed=seeds, levels=st.integers(2, 6))
 def test_each_of_many_cases_is_the_case_alone_bit_for_bit(seed, levels):
-    """Behind the first axis any shape, here (2, 150): more than are taken at once. Among them a case without one row,
-    and one whose rows are one and the same."""
+    """Behind the first axis any shape, here (2, 150). Among them a case without one row, and one whose rows are one and
+    the same."""
     rows = drawn_rows(seed, (levels, 2, 150), THREE[:2])
     rows.terms["F_k"][0, 1, 7] = np.nan
     rows.W[levels - 1, 0, 0] = np.nan
     rows.terms["F_k"][:, 1, 8], rows.terms["c"][:, 1, 8] = 1.0, 2.0
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("dampbalance.solver._CASES_AT_ONCE", 256)
-        found = solve(rows)
+    found = solve(rows)
     assert found["c"].shape == found.residual.shape == found.n.shape == (2, 150)
     assert found.covariance.shape == (2, 2, 2, 150)
     assert np.isnan(found["F_k"][1, 8])
@@ -197,8 +195,6 @@ SINGULAR = {
     "in the plane": {"c_2": lambda a, b: 0.3 * a - 1e-5 * b},
     "but for rounding": {"c_2": lambda a, b: a * (1.0 + 1e-14 * np.sign(b))},
     "none": {"c_2": lambda a, b: 0.0 * a},
-    "second none": {"c": lambda a, b: 0.0 * a},
-    "second": {"c": lambda a, b: 7.0 * a},
     "first": {"F_k": lambda a, b: 0.0 * a},
 }
 
@@ -224,12 +220,6 @@ def test_columns_that_are_nearly_one_are_solved_as_long_as_they_differ():
     for symbol, true in (("F_k", 2.0), ("c", -3.0), ("c_2", 0.5)):
         size = np.linalg.norm(rows.W) / np.linalg.norm(rows.terms[symbol])
         assert estimate[symbol] == pytest.approx(true, abs=1e-8 * size)  # 1e6 times rounding
-
-
-def test_two_levels_are_enough_when_a_third_coefficient_is_given():
-    known = replace(drawn_rows(9, 4), given={"c_2": 0.25})
-    assert_same_bits(pair(known, 1, 3), solve(known[[1, 3]]))
-    assert np.isfinite(pair(known, 1, 3)["c"])
 
 
 # --- statistics, contact stiffness and the table ---------------------------------------------------
@@ -316,8 +306,8 @@ def lost(symbol, number):
     return rows
 
 
-def empty(*symbols):
-    return Rows({symbol: np.full(2, np.nan) for symbol in symbols}, np.ones(2))
+def empty(symbol):
+    return Rows({symbol: np.full(2, np.nan)}, np.ones(2))
 
 
 TWO, EQUAL = (rows_of(levels, 1.28, 90.0) for levels in ([0.004, 0.006], [0.004, 0.006, 0.006]))
@@ -335,7 +325,6 @@ REFUSED = {
         pair(drawn_rows(9, 4), 1, 3)
     ),
     "^F_k need at least one usable": lambda: least_squares(empty("F_k")),
-    "^F_k, c and d need at least three usable": lambda: least_squares(empty("F_k", "c", "d")),
     r"given \['eta'\] are no terms of these rows": lambda: replace(TWO, given={"eta": 0.1}),
     "no estimates": lambda: mean_and_deviation([]),
     "without a covariance": lambda: TWO.weighted({"F_k": 5.0, "c": 20.0}),
@@ -368,7 +357,7 @@ def own_weights(rows, F_k, c):
     return np.array([1.0 / (form @ rows.covariance[:, :, i] @ form) for i in range(rows.W.size)])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_weights_are_those_of_the_solution_that_they_give(seed):
     rows = uncertain(seed=seed)
     found = solve(rows)
@@ -410,9 +399,3 @@ def test_given_coefficients_weigh_as_if_they_had_been_found():
     a, rest = rows.terms["F_k"], rows.W - 90.0 * rows.terms["c"]
     expected = np.sum(weights * a * rest) / np.sum(weights * a**2)
     assert float(found["F_k"]) == pytest.approx(expected, rel=1e-9)
-
-
-def test_rows_without_errors_are_solved_all_the_same():
-    rows = rows_of([0.004, 0.008, 0.012], 1.28, 90.0)
-    found = solve(replace(rows, covariance=np.zeros((3, 3, 3))))
-    assert [float(found["F_k"]), float(found["c"])] == pytest.approx([1.28, 90.0], rel=1e-12)

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from blind.decays import Decay
-from blind.other_motion import Departure, ring_down
+from blind.other_motion import Departure, one_slider, ring_down_on
 from dampbalance.model import Parameters
 from dampbalance.motion import law_decays
 from dampbalance.motion.events import run
@@ -120,15 +120,16 @@ def test_derivatives_by_further_coefficients_are_those_of_differences(j, order):
 def test_friction_that_changes_with_the_speed_is_that_of_an_independent_integrator(
     preload, falling
 ):
-    """Of the trials: Runge–Kutta in 2048 steps of a period, the force clipped to its limit, whose kinks between steps
+    """Of the trials: Runge–Kutta in 8192 steps of a period, the force clipped to its limit, whose kinks between steps
     take 1e-4 of the motion from it with a fall by a quarter of F_k, and more with more. That changes the motion by
     5 % of it."""
     par, rate, p = oscillator(), 40.0 / PERIOD, NOTHING.copy()
     p[2], p[3] = falling, 0.02
     decay = Decay(0, M, 1.0, K, par.K_z, 0.2, (), (), (), (), rate, (), 0.0, 0.0)
-    start = (preload - 1.0) * (0.2 + falling) / par.K_z
+    start = np.array([(preload - 1.0) * (0.2 + falling)])
     departure = Departure(falling=falling / 0.2, speed=0.02)
-    expected = ring_down(decay, 5e-3, 1.0 / rate, 4.0 * PERIOD, 0.0, start, departure)[0]
+    contact, lasts = one_slider(par.K_z, 0.2), 4.0 * PERIOD
+    expected = ring_down_on(contact, decay, 5e-3, 0.0, start, 1.0 / rate, lasts, departure)[0]
     times = np.arange(expected.size) / rate
     found = law_decay(times, 0, 5e-3, 0.0, preload, par, p, LINEAR_UNKNOWNS)[:, 0]
     without = law_decay(times, 0, 5e-3, 0.0, preload, par, NOTHING, LINEAR_UNKNOWNS)[:, 0]

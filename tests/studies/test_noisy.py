@@ -18,7 +18,6 @@ from dampbalance.identification.oscillator import common_fit
 from dampbalance.motion.sliders import spread_contact
 from dampbalance.records.synthetic import measured_orbit
 from dampbalance.signals.mean_harmonics import read_features
-from dampbalance.signals.simpson import integrals
 from dampbalance.studies import evaluate
 from dampbalance.studies.bound import fit_at_truth
 from dampbalance.studies.cases import case_columns, cases_between
@@ -155,14 +154,6 @@ def test_the_error_of_a_quantile_is_that_of_drawing_again():
     assert math.isfinite(statistics.quantile_error(np.arange(20.0), 0.95))
 
 
-def test_interval_of_a_share():
-    # z² = 3.8415: (p + z²/2n ± z √(p(1 − p)/n + z²/4n²)) / (1 + z²/n), by hand
-    by_hand = {(95, 100): (0.88825, 0.97846), (10, 10): (0.72247, 1.0), (0, 50): (0.0, 0.07135)}
-    for (count, runs), bounds in (by_hand | {(0, 0): (math.nan, math.nan)}).items():
-        found = statistics.share_interval(count, runs)
-        assert found == pytest.approx(bounds, abs=1e-5, nan_ok=True)
-
-
 def test_the_summary_separates_the_groups_and_knows_the_least_error(computed, make):
     study, table, path = computed("noisy")
     found, by = summary.summary_of(path, study), ["frequency_hz", "noise"]
@@ -272,10 +263,8 @@ def test_a_contact_that_yields_gradually_has_no_bound_of_one_slider(make):
 @pytest.mark.parametrize(
     ("osc", "hz", "free", "levels"),
     [
-        (PAPER, 4.92, (), (0.004, 0.012)),
         (PAPER, 11.1, ("m",), (0.004, 0.012)),
         (replace(PAPER, K_z=1e8), 4.92, ("m",), (0.004, 0.012)),
-        (replace(PAPER, c=400.0), 3.5, (), (0.004, 0.012)),
         # slips several times a half cycle
         (replace(PAPER, c=3.0, K_z=69_300.0), 1.6, ("m",), (8e-4, 14e-4)),
     ],
@@ -311,15 +300,6 @@ def of_record(rate_hz, cycles=6, **options):
     record = measured_orbit(ORBIT, rate_hz=rate_hz, cycles=cycles, start=0.031, **options)
     signals = [channel.values for channel in record.channels.values()]
     return cycle_integrals(*signals, 1.0 / rate_hz, OMEGA, PAPER.k)
-
-
-def test_a_parabola_is_integrated_exactly_between_any_places():
-    dt, places = 0.5, np.array([0.0, 0.3, 1.0, 1.7, 2.0, 5.5, 8.0])
-    t = dt * np.arange(10)  # an even number: the last interval belongs to no pair
-    powers = np.array([[3.0, -2.0, 0.7], [0.0, 0.0, 1.0]])
-    primitives = powers / [1.0, 2.0, 3.0] @ [(dt * places) ** i for i in (1, 2, 3)]
-    found = integrals(powers @ [t**i for i in range(3)], dt, places)
-    assert found == pytest.approx(np.diff(primitives, axis=1), rel=1e-13, abs=1e-13)
 
 
 def test_without_noise_the_exact_integrals_are_the_limit_and_errors_of_second_order():

@@ -226,9 +226,7 @@ def test_sizes_are_counted_as_if_all_were_there():
     rng = np.random.default_rng(5)
     errors = 10.0 ** rng.uniform(-13.0, 2.0, 5000) * rng.choice([-1.0, 1.0], 5000)
     errors[::7] = np.nan
-    sizes = Sizes(0.01)
-    for part in np.array_split(errors, 7):
-        sizes.add(part)
+    sizes = Sizes(errors, 0.01)
     known = np.abs(errors[np.isfinite(errors)])
     found = sizes.cases, sizes.known, sizes.share, sizes.smallest, sizes.largest
     within = np.count_nonzero(known <= 0.01) / 5000
@@ -236,16 +234,10 @@ def test_sizes_are_counted_as_if_all_were_there():
     for share in (0.0, 0.5, 0.95, 1.0):
         true = np.quantile(known, share, method="inverted_cdf")
         assert sizes.quantile(share) == pytest.approx(true, rel=6e-4)  # half a bin
-    assert math.isnan(Sizes(0.01).quantile(0.5))
+    assert math.isnan(Sizes(errors[:1], 0.01).quantile(0.5))
 
 
 # --- a rigid contact: the limit X_s → −X of every approach, whose costs follow in closed form -----
-
-
-def test_below_the_slip_limit_a_rigid_contact_slips_all_the_same():
-    stuck = features_at(levels=(1e-5,))
-    assert stuck.a.tolist() == [0.0]
-    assert stuck.rigid().a == pytest.approx(4.0 * stuck.X)
 
 
 @pytest.mark.parametrize("hertz", FREQUENCIES_HZ.values())

@@ -1,14 +1,12 @@
 """Identification of measured levels, five of 20,000 samples.
 
 Reading and identifying are timed together and apart, and so is the fit of one oscillator to the harmonics of all
-levels, which identifying contains; the errors of the estimates are listed with the times. Start-up, import and first
-call, is timed in separate processes, and the import split by package. Writes identification.{csv,md,svg,png},
-identification_{repetitions,errors}.csv, start_up.csv and imports.csv.
+levels, which identifying contains. Start-up, import and first call, is timed in separate processes. Writes
+identification.{csv,md}, identification_repetitions.csv and start_up.csv.
 """
 
 from __future__ import annotations
 
-import re
 import subprocess
 import sys
 import tempfile
@@ -18,13 +16,11 @@ import numpy as np
 import pandas as pd
 
 from dampbalance import BaseMotion, steady_orbit
-from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.replication.record import SimulatedRecord
 from dampbalance.signals.mean_harmonics import read_features
 from paper_case import LEVELS, OMEGA
 
@@ -47,7 +43,6 @@ BOTH = "read and identify"
 READING = "… reading the features"
 IDENTIFYING = "… identifying, balance and fit"
 FIT = "… fitting one oscillator: maximum likelihood"
-PARTS_SHOWN = 8  # packages in the split of the import
 
 _FIRST_CALL = """
 import sys, time
@@ -69,7 +64,6 @@ identify_readings(readings, float(sys.argv[2]))
 end = clocks()
 print(*(b - a for a, b in zip(start, loaded)), *(b - a for a, b in zip(loaded, end)))
 """
-_IMPORTED = re.compile(r"import time:\s*(\d+) \|\s*\d+ \|\s*(\S+)")
 
 
 def measurements(samples: int) -> list[Record]:
@@ -86,12 +80,6 @@ def measurements(samples: int) -> list[Record]:
     ]
 
 
-def record(measurement: Record) -> SimulatedRecord:
-    """Return the same samples as the reference fit takes them."""
-    y, x = measurement["base_displacement"], measurement["displacement"]
-    return SimulatedRecord(t=y.t, y=y.values, x=x.values)
-
-
 def contestants(samples: int) -> list[Contestant]:
     """Return what is timed; a case is the whole set of five levels."""
     given = measurements(samples)
@@ -106,65 +94,32 @@ def contestants(samples: int) -> list[Contestant]:
     ]
 
 
-def errors(samples: int) -> pd.DataFrame:
-    """Return columns name, then of F_k and of c the relative error and the standard error that each way
-    reports."""
-    given = measurements(samples)
-    found = identify_readings([read_features(m, PAPER.k) for m in given], PAPER.k)
-    fit, truth = found.basis.common.fit, {"F_k": PAPER.F_k, "c": PAPER.c}
-    assert fit is not None
-    answers = {
-        name: {s: (e.coefficients[s].value, e.coefficients[s].standard_error) for s in truth}
-        for name, e in found.estimates.items()
-    }
-    answers[FIT] = {s: (getattr(fit, s), fit.error(s)) for s in truth}
-    rows = [
-        {"name": name}
-        | {f"{s}_error": answer[s][0] / true - 1.0 for s, true in truth.items()}
-        | {f"{s}_standard_error": answer[s][1] / true for s, true in truth.items()}
-        for name, answer in answers.items()
-    ]
-    columns = ["name", "F_k_error", "F_k_standard_error", "c_error", "c_standard_error"]
-    return pd.DataFrame(rows, columns=columns)
-
-
-def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame]:
+def start_up(samples: int, repetitions: int) -> pd.DataFrame:
     """Return columns quantity, wall_s, best_wall_s, cpu_s (median, least, median) of import and first call, the kernels
-    being compiled already; and of the import, columns package, seconds, by `python -X importtime`."""
+    being compiled already."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "levels.npy"
-        np.save(file, [[r.t, r.y, r.x] for r in map(record, measurements(samples))])
+        channels = [[*record.channels.values()] for record in measurements(samples)]
+        np.save(file, [[y.t, y.values, x.values] for y, x in channels])
         arguments = [str(file), str(PAPER.k)]
         # the first process also reads the files into memory and compiles what is not compiled
-        told = _process(_FIRST_CALL, arguments, "-X", "importtime").stderr
+        _process(_FIRST_CALL, arguments)
         runs = [_process(_FIRST_CALL, arguments).stdout.split() for _ in range(repetitions)]
     wall, cpu = np.moveaxis(np.array(runs, dtype=float).reshape(-1, 2, 2), 2, 0)
     wall, cpu = (np.column_stack([part, part.sum(axis=1)]) for part in (wall, cpu))
     times = {"wall_s": np.median(wall, axis=0), "best_wall_s": wall.min(axis=0)}
     times["cpu_s"] = np.median(cpu, axis=0)
-    return pd.DataFrame({"quantity": ["import", "first call", "both"]} | times), imports(told)
+    return pd.DataFrame({"quantity": ["import", "first call", "both"]} | times)
 
 
-def imports(told: str) -> pd.DataFrame:
-    """Return columns package, seconds: the times of `-X importtime`, summed over the modules of each package."""
-    seconds: dict[str, float] = {}
-    for own, module in _IMPORTED.findall(told):
-        package = module.split(".")[0]
-        seconds[package] = seconds.get(package, 0.0) + 1e-6 * int(own)
-    table = pd.DataFrame({"package": list(seconds), "seconds": list(seconds.values())})
-    return table.sort_values("seconds", ascending=False, ignore_index=True)
-
-
-def _process(script: str, arguments: list[str], *options: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, *options, "-c", script, *arguments]
+def _process(script: str, arguments: list[str]) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", script, *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True)
 
 
 def text(
     summary: pd.DataFrame,
-    wrong: pd.DataFrame,
     starting: pd.DataFrame,
-    loading: pd.DataFrame,
     samples: int,
     repetitions: int,
 ) -> str:
@@ -183,34 +138,9 @@ def text(
         f"\nMedians of {repetitions} interleaved repetitions, after start-up; ratio: to the first line in the same "
         "repetition, with its range.\n\n"
     )
-    rows = [[name, *(f"{100.0 * e:.2g}" for e in off)] for name, *off in wrong.to_numpy()]
-    header = ["what was found, %", "error of F_k", "its standard error", "error of c"]
-    written += markdown([*header, "its standard error"], rows) + "\n"
     rows = [[step, *map(quantity, seconds)] for step, *seconds in starting.to_numpy()]
     written += markdown(["start-up of a process, kernels compiled before", *times], rows)
-    shown = loading.head(PARTS_SHOWN)
-    listed = ", ".join(f"{r.package} {quantity(r.seconds)}" for r in shown.itertuples(index=False))
-    total = quantity(loading["seconds"].sum())
-    return f"{written}\nOf one import, {total} (`python -X importtime`): {listed}.\n\nMachine: {machine()}.\n"
-
-
-@styled()
-def figure(summary: pd.DataFrame, starting: pd.DataFrame, svg: Path, png: Path) -> None:
-    """Draw one bar for each time, processor time filled, wall time as a line; the time asked for dashed."""
-    drawn = page(150.0, 14.0 + 6.0 * (len(summary) + 2))
-    axes = place(drawn, 58.0, 11.0, 88.0, 6.0 * (len(summary) + 2))
-    steps = starting.head(2)
-    names = [*summary["name"], *("start-up: " + steps["quantity"])]
-    wall = [*summary["wall_s_per_case"], *steps["wall_s"]]
-    cpu = [*summary["cpu_s_per_case"], *steps["cpu_s"]]
-    axes.barh(names, cpu, color=SLIP, height=0.6, label="processor time")
-    axes.plot(wall, names, "|", color=STICK, markersize=10.0, label="wall time")
-    axes.axvline(1.0, color=FAINT, linewidth=0.6, linestyle="--")
-    axes.invert_yaxis()
-    axes.set_xlim(0.0, None)
-    axes.set_xlabel("time (s)")
-    axes.legend()
-    save(drawn, svg, png, "Time of identifying five levels of measured samples, and of start-up")
+    return f"{written}\nMachine: {machine()}.\n"
 
 
 def run(out: Path, samples: int = 20_000, repetitions: int = 9) -> None:
@@ -225,13 +155,9 @@ def run(out: Path, samples: int = 20_000, repetitions: int = 9) -> None:
     best = timings.groupby("name")["wall_s_per_case"].min().rename("best_wall_s")
     relative = ratios(timings, BOTH, "cpu_s_per_case").set_index("name").add_prefix("cpu_ratio_")
     summary = summary.join(best, on="name").join(relative, on="name")
-    wrong = errors(samples)
-    starting, loading = start_up(samples, min(repetitions, 5))
+    starting = start_up(samples, min(repetitions, 5))
     write_csv(out / "identification.csv", summary)
     write_csv(out / "identification_repetitions.csv", timings)
-    write_csv(out / "identification_errors.csv", wrong)
     write_csv(out / "start_up.csv", starting)
-    write_csv(out / "imports.csv", loading)
-    written = text(summary, wrong, starting, loading, samples, repetitions)
+    written = text(summary, starting, samples, repetitions)
     write_text(out / "identification.md", written)
-    figure(summary, starting, out / "identification.svg", out / "identification.png")

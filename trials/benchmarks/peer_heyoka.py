@@ -1,8 +1,8 @@
 """Steady states by heyoka's Taylor method with events: one compiled integrator, its mode (stick, slip) in parameters.
 
-Settling: the one terminal event is the end of the phase, its callback sets the parameters of the next one. Shooting:
-the one event is slip onset. Each does one case after the other, or, in the batch version, several at a time, one in
-each lane of the processor's vector unit, of neighbouring frequencies.
+Settling: the one terminal event is the end of the phase, its callback sets the parameters of the next one; one case
+after the other, as batches of them are not faster. Shooting: the one event is slip onset; a batch of cases at a time,
+one in each lane of the processor's vector unit, of neighbouring frequencies.
 """
 
 from __future__ import annotations
@@ -151,93 +151,8 @@ class Settling:
         return np.array(rows)
 
 
-class SettlingBatch:
-    """State for a batch, which ends when its last case is steady."""
-
-    def __init__(self, from_rest: bool) -> None:
-        self._from_rest = from_rest
-        self._lanes = hy.recommended_simd_size()
-        self._cases, self._unsteady = [], set()
-        self._integrator = _batch_integrator(self._ends, self._lanes)
-        pars, state = self._integrator.pars, self._integrator.state
-        self._pars, self._states = list(pars.T), list(state.T)  # views, one for each lane
-
-    def __deepcopy__(self, memo):
-        return self
-
-    def _ends(self, integrator, sign, i):
-        case = self._cases[i]
-        if not case.phase_ends(float(integrator.time[i]), self._pars[i], self._states[i]):
-            self._unsteady.discard(i)
-        return bool(self._unsteady)
-
-    def __call__(self, cases: Sweep) -> np.ndarray:
-        features, integrator = np.empty((len(cases), 7)), self._integrator
-        motions = cases.motions()
-        for members, padded in _batches(cases, self._lanes):
-            self._cases = [_Case(motions[j], self._from_rest) for j in padded]
-            self._unsteady = set(range(self._lanes))
-            times = np.array([case.start[0] for case in self._cases])
-            integrator.set_time(times)
-            for case, pars, state in zip(self._cases, self._pars, self._states, strict=True):
-                case.begin(pars, state)
-            integrator.reset_cooldowns()
-            integrator.propagate_until(times + _LONGEST * np.array([c.half for c in self._cases]))
-            features[members] = [case.features for case in self._cases[: len(members)]]
-        return features
-
-
 class Shooting:
-    """X and θ of the reversal by shooting over half a period, one case after the other."""
-
-    def __init__(self) -> None:
-        self._x, self._onset = 0.0, (0.0, 0.0, 0.0)
-        self._integrator = _scalar_integrator(self._slips)
-        self._pars, self._state = self._integrator.pars, self._integrator.state
-
-    def __deepcopy__(self, memo):
-        return self
-
-    def _slips(self, integrator, sign):
-        state = self._state
-        self._x += state[0]
-        state[0] = 0.0
-        self._onset = integrator.time, self._x, state[1]
-        _slip(self._pars, self._x, 1, ends=False)
-        return True
-
-    def _half_cycle(self, X, t, half):
-        """Return x and ẋ half a period after rest at −X."""
-        integrator = self._integrator
-        self._x = -X
-        _stick(self._pars, -X, -_Z_M)
-        self._state[:] = 0.0
-        integrator.time = t
-        integrator.reset_cooldowns()
-        integrator.propagate_until(t + half)
-        return self._x + self._state[0], self._state[1]
-
-    def __call__(self, cases: Sweep) -> np.ndarray:
-        rows = []
-        for motion in cases.motions():
-            guess, omega = good_guess(motion), motion.omega
-            half, scale = math.pi / omega, omega * guess.X
-            self._pars[_OMEGA], self._pars[_DRIVE] = omega, PAPER.k * motion.Y / PAPER.m
-
-            def residual(u, theta, guess=guess, omega=omega, half=half, scale=scale):
-                x, v = self._half_cycle(u * guess.X, theta / omega, half)
-                return x / guess.X - u, v / scale
-
-            u, theta = broyden(residual, 1.0, guess.theta, _settled)
-            x, (t_s, x_s, v_s) = u * guess.X, self._onset
-            t_0, (_, _, b, W) = theta / omega, self._state  # of the last half cycle, the orbit's
-            phi = wrapped(theta + math.pi)
-            rows.append((x, v_s, t_s - t_0, phi, 2.0 * (x - x_s), 2.0 * b, 2.0 * W))
-        return np.array(rows)
-
-
-class ShootingBatch:
-    """State for a batch, which ends when its last case is found."""
+    """X and θ of the reversal by shooting over half a period; a batch ends when its last case is found."""
 
     def __init__(self) -> None:
         self._lanes = hy.recommended_simd_size()
@@ -280,7 +195,7 @@ class ShootingBatch:
                 x, v = self._half_cycles(u * scale, theta / omega, half)
                 return x / scale - u, v / (omega * scale)
 
-            u, theta = broyden(residual, np.ones(self._lanes), theta_guess[padded], _all_settled)
+            u, theta = broyden(residual, np.ones(self._lanes), theta_guess[padded], _settled)
             X, (t_s, X_s, V_s), (_, _, b, W) = u * scale, self._onset, self._state
             phi = wrapped(theta + math.pi)
             rows = np.array([X, V_s, t_s - theta / omega, phi, 2.0 * (X - X_s), 2.0 * b, 2.0 * W])
@@ -289,8 +204,4 @@ class ShootingBatch:
 
 
 def _settled(f, g):
-    return abs(f) <= AGREE and abs(g) <= AGREE
-
-
-def _all_settled(f, g):
     return bool(np.all((np.abs(f) <= AGREE) & (np.abs(g) <= AGREE)))

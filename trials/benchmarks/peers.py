@@ -58,9 +58,7 @@ def solvers(size: float) -> tuple[dict[str, tuple[int, Solver]], list[str]]:
 
         found["heyoka, events, from rest"] = (batch, heyoka.Settling(from_rest=True))
         found["heyoka, events, good guess"] = (batch, heyoka.Settling(from_rest=False))
-        found["heyoka batch, events, good guess"] = (batch, heyoka.SettlingBatch(from_rest=False))
-        found["heyoka, shooting"] = (batch, heyoka.Shooting())
-        found["heyoka batch, shooting"] = (batch, heyoka.ShootingBatch())
+        found["heyoka batch, shooting"] = (batch, heyoka.Shooting())
     else:
         missing.append("heyoka")
     if find_spec("diffrax"):

@@ -8,7 +8,6 @@ spring, 3 to 12 % of the force at the start. Friction that falls with speed is 1
 
 from __future__ import annotations
 
-import math
 import time
 from dataclasses import replace
 
@@ -22,6 +21,7 @@ from dampbalance.project.wording import markdown_table
 
 from . import gradual
 from .decays import departing, draw, falling, record
+from .score import SYMBOLS, in_errors
 from .truths import log_uniform
 
 TERMS = {
@@ -70,92 +70,55 @@ def outcome(run: tuple[str, int, int, bool]) -> list[dict[str, object]]:
     row["seconds"] = time.process_time() - began
     began = time.process_time()
     laws = compare_decay_laws(result.basis.fit) if compared else None
-    row["seconds_laws"] = time.process_time() - began
+    row["seconds_laws"] = time.process_time() - began if compared else 0.0
     answer = result.approaches[REFERENCE]
     said = [one.numbers for one in result.findings if one.code == "weighs"]
     shown = {of["what"][0].code: of["clear"] for of in said}
     row |= {
-        "slips": result.basis.half_cycles.halves,
-        "usable": all(answer.verdicts[s].verdict == USABLE for s in ("F_k", "c")),
         "shown": any(shown.values()),
         "named": _NAMES.get(term, term) in shown,
         "gradual": "gradual" in shown,
         "chosen": ", ".join((laws and laws.chosen) or ()),
-        "alike": "; ".join(", ".join(terms) for terms in laws.alike) if laws else "",
     }
-    for symbol in ("F_k", "c", "K_z"):
+    for symbol in SYMBOLS:
         p, true = answer.parameters[symbol], getattr(decay, symbol)
         row[f"{symbol}_off"] = p.value / true - 1.0
-        row[f"{symbol}_sizes"] = abs(p.value - true) / p.standard_error
-        if symbol == "K_z":  # nearly normal as K_z^{−1/2}
-            row["K_z_sizes"] *= 2.0 * (p.value / true) / (1.0 + math.sqrt(p.value / true))
+        row[f"{symbol}_sizes"] = abs(in_errors(symbol, p.value, true, p.standard_error))
         row[f"{symbol}_outside"] = not p.interval.low <= true <= p.interval.high
         row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
-    true_law = ("F_k", "c", *((term,) if term == "c_2" else ()))
-    weighed = laws.laws if laws else ()
-    row["weight_of_true"] = next((one.weight for one in weighed if one.terms == true_law), math.nan)
     return [row]
 
 
 def table(rows: pd.DataFrame) -> str:
-    """Return a table by term, in sets: what was said, how many are silently wrong, and which law was chosen."""
+    """Return a table by further term or contact, in sets: what was said, which numbers are usable, how many of these
+    are silently wrong, and which law was chosen.
+
+    Silent: usable and more than 5 standard errors off, or more than 3 % and outside its interval.
+    """
     lines = []
     for term, some in rows.groupby("term", sort=False):
-        known = some[some["usable"].notna()]
-        flags = {c: known[c].astype(bool) for c in ("shown", "named")}
-        wrong = pd.Series(False, index=known.index)
-        for symbol in ("F_k", "c"):
-            wrong |= (known[f"{symbol}_sizes"] > _FAR) & known[f"{symbol}_usable"].astype(bool)
+        known = some[some["F_k_usable"].notna()]
+        cells = [len(some), len(some) - len(known)]
+        cells += [known[name].astype(bool).sum() for name in ("shown", "named", "gradual")]
+        for symbol in SYMBOLS:
+            off, sizes, outside, usable = (
+                known[f"{symbol}_{name}"].astype(float)
+                for name in ("off", "sizes", "outside", "usable")
+            )
+            wrong = (sizes > _FAR) | ((off.abs() > _PART) & (outside > 0.0))
+            cells += [int(usable.sum()), ((usable > 0.0) & wrong).sum()]
+        law = known["chosen"][known["seconds_laws"] > 0.0]
         right = ", ".join(["F_k", "c", *([str(term)] if term == "c_2" else [])])
-        chosen = known["chosen"] == right
-        cells = [len(some), len(some) - len(known), flags["shown"].sum(), flags["named"].sum()]
-        cells += [(~known["usable"].astype(bool)).sum()]
-        K_z = (known["K_z_sizes"] > _FAR) & known["K_z_usable"].astype(bool)
-        cells += [wrong.sum(), known["gradual"].astype(bool).sum()]
-        cells += [known["K_z_usable"].sum(), K_z.sum()]
-        fewer = (known["chosen"] != "") & ~chosen
-        counts = [chosen.sum(), fewer.sum(), (known["chosen"] == "").sum()]
-        cells += counts if term in ("none", "c_2") else ["", "", ""]
+        counts = [(law == right).sum(), ((law != "") & (law != right)).sum(), (law == "").sum()]
+        cells += counts if term in ("none", "c_2") and law.size else [""] * 3
         lines.append([str(term), *map(str, cells)])
-    heads = [
-        "further term",
-        "sets",
-        "refused",
-        "a departure shown",
-        "its own named",
-        "F_k or c doubtful for any reason",
-    ]
-    heads += [f"usable and more than {_FAR:g} standard errors off"]
-    heads += ["gradual contact named", "K_z usable", "of it far off"]
+    heads = ["further term or contact", "sets", "refused", "a departure shown", "its own named"]
+    heads += ["gradual contact named"]
+    for symbol in SYMBOLS:
+        heads += [f"{symbol} usable", "of it silently wrong"]
     heads += ["law chosen: the true one", "another one", "none"]
-    return (
-        f"{markdown_table(heads, lines)}\n\nProcessor time of the comparison of laws: "
-        f"{rows['seconds_laws'].median():.1f} s (median), {rows['seconds_laws'].max():.1f} s at the most; of the rest "
-        f"{rows['seconds'].median():.1f} s and {rows['seconds'].max():.1f} s.\n"
-    )
-
-
-def table_of_contacts(rows: pd.DataFrame) -> str:
-    """Return a table by contact, in sets: which numbers are usable, which of these are wrong."""
-    lines = []
-    for contact, some in rows.groupby("term", sort=False):
-        known = some[some["usable"].notna()]
-        usable = {s: known[f"{s}_usable"].astype(bool) for s in ("F_k", "K_z")}
-        cells = [len(some), len(some) - len(known), known["gradual"].astype(bool).sum()]
-        cells += [known["shown"].astype(bool).sum(), *(of.sum() for of in usable.values())]
-        for symbol, of in usable.items():
-            off = known[f"{symbol}_off"].abs() > _PART
-            far = (of & (known[f"{symbol}_sizes"] > _FAR), of & off & known[f"{symbol}_outside"])
-            cells += [wrong.sum() for wrong in far]
-            cells += [(far[0] | far[1]).sum()]
-        lines.append([str(contact), *map(str, cells)])
-    heads = ["contact", "sets", "refused", "gradual contact named", "a departure shown"]
-    heads += ["F_k usable", "K_z usable"]
-    for symbol in ("F_k", "K_z"):
-        heads += [f"{symbol} usable and more than {_FAR:g} standard errors off"]
-        heads += [f"and more than {100.0 * _PART:g} % off, outside its interval", "silent"]
-    seconds = rows["seconds"]
-    return (
-        f"{markdown_table(heads, lines)}\n\nProcessor time of an identification: {seconds.median():.1f} s (median), "
-        f"{seconds.max():.1f} s at the most.\n"
+    times = (rows[name] for name in ("seconds", "seconds_laws"))
+    of_both = (f"{of.median():.1f} s (median), {of.max():.1f} s at the most" for of in times)
+    return "{}\n\nProcessor time of an identification: {}; of the comparison of laws: {}.\n".format(
+        markdown_table(heads, lines), *of_both
     )

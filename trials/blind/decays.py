@@ -10,8 +10,8 @@ import numpy as np
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
 
-from .gradual import CONTACTS, ring_down_on
-from .other_motion import NO_DEPARTURE, Departure, ring_down
+from .gradual import CONTACTS
+from .other_motion import NO_DEPARTURE, Departure, one_slider, ring_down_on
 from .truths import ANSWERS, NOISE, SEED, Linear, log_uniform
 
 _DECAYS = 2  # so that the draws are not those of the forced sets
@@ -121,6 +121,7 @@ def falling(decay: Decay, part: float, speed: float) -> Decay:
 def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
     """Return (x, x′, x″) of the record, (3, n), and the times at which the mass comes free, s."""
     step, Z_m = 1.0 / decay.rate_hz, decay.F_k / decay.K_z
+    contact = CONTACTS.get(decay.contact, one_slider)(decay.K_z, decay.F_k)
     parts: list[np.ndarray] = []
     x = z = 0.0
     free, count = [], 0
@@ -128,17 +129,13 @@ def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
         v = size if kind == "blow" else 0.0
         if kind == "pluck":
             if i:
-                parts.append(_pulled(x, size, decay.pull[i], step))
+                parts.append(pulled(x, size, decay.pull[i], step))
             x, z = size, math.copysign(Z_m, size)
-        parts.append(_held(x, round(decay.lead[i] / step)))
+        parts.append(at_rest(x, round(decay.lead[i] / step)))
         count = sum(part.shape[1] for part in parts)
         free.append(count * step)
-        if decay.contact:
-            contact = CONTACTS[decay.contact](decay.K_z, decay.F_k)
-            forces = contact[:, 1] * (z / Z_m)
-            moved = ring_down_on(contact, decay, x, v, forces, step, decay.lasts[i])
-        else:
-            moved = ring_down(decay, x, step, decay.lasts[i], v, z, decay.departure)
+        forces, how = contact[:, 1] * (z / Z_m), decay.departure
+        moved = ring_down_on(contact, decay, x, v, forces, step, decay.lasts[i], how)
         parts.append(moved)
         # a hand grasps it, or holds it while it is struck
         x = float(moved[0, -1])
@@ -146,13 +143,13 @@ def clean(decay: Decay) -> tuple[np.ndarray, list[float]]:
     return np.hstack(parts), free
 
 
-def _held(x: float, count: int) -> np.ndarray:
+def at_rest(x: float, count: int) -> np.ndarray:
     held = np.zeros((3, count))
     held[0] = x
     return held
 
 
-def _pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
+def pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
     """Return a hand that moves the mass from one place to another, after it has grasped it for as long."""
     n = max(4, round(lasts / step))
     turn = np.arange(n) * (math.pi / n)
@@ -160,7 +157,7 @@ def _pulled(start: float, end: float, lasts: float, step: float) -> np.ndarray:
     half = 0.5 * (end - start)
     x = start + half * (1.0 - np.cos(turn))
     moved = [x, half * rate * np.sin(turn), half * rate**2 * np.cos(turn)]
-    return np.hstack([_held(start, n), moved])
+    return np.hstack([at_rest(start, n), moved])
 
 
 def record(decay: Decay, seed: int | None = None) -> tuple[Record, list[float]]:

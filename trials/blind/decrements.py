@@ -24,11 +24,12 @@ from scipy.signal import find_peaks, savgol_filter
 from dampbalance.fit.decay import DecayFit
 from dampbalance.identification.answer import USABLE
 from dampbalance.identification.decays import identify_decay_records
+from dampbalance.project.wording import markdown_table
 from dampbalance.records.record import Record
 
 from .decays import Decay, clean, draw, record
-from .score import SYMBOLS, held
-from .truths import ANSWERS, SEED
+from .score import held, share
+from .truths import ANSWERS
 
 Found = dict[str, float]
 """Value by symbol, SI; NaN for what a way cannot tell."""
@@ -142,8 +143,10 @@ def above_the_optimum(fit: DecayFit, decay: Decay) -> float:
     return fit.chi_square - min(ends, default=math.nan)
 
 
-def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
-    """Return rows of all ways on one set: value, standard error, interval and verdict of F_k, c and K_z."""
+def tried(run: tuple[int, int]) -> list[dict[str, object]]:
+    """Return rows of all ways on one set, by its number and the seed: value, standard error, interval and verdict of
+    F_k, c and K_z."""
+    index, seed = run
     decay = draw(index, seed)
     measured, free = record(decay, seed)
     of_set: dict[str, object] = {
@@ -185,56 +188,35 @@ def tried(index: int, seed: int = SEED) -> list[dict[str, object]]:
 
 
 def table(rows: pd.DataFrame) -> str:
-    """Return Errors by way, coverage and efficiency by channel, in markdown."""
-    known = rows.dropna(subset=["symbol"]).copy()
-    known["error"] = (known["value"] / known["true"] - 1.0).abs()
-    lines = [
-        "| way | told F_k | median error | worst tenth | told c | median error | worst tenth |"
-    ]
-    lines.append("|---|--:|--:|--:|--:|--:|--:|")
-    sets = rows["set"].nunique()
-    for way in ("balance", "maximum likelihood", *WAYS):
-        cells = []
-        for symbol in ("F_k", "c"):
-            error = known[(known["way"] == way) & (known["symbol"] == symbol)]["error"].dropna()
-            if error.empty:
-                cells += ["–", "–", "–"]
-                continue
-            cells += [f"{100 * error.size / sets:.0f} %"]
-            cells += [f"{100 * error.quantile(q):.2g} %" for q in (0.5, 0.9)]
-        lines.append(f"| {way} | {' | '.join(cells)} |")
-    lines += [
-        "",
-        "| way | symbol | 95 % intervals hold | those of usable values | usable, and more than 5 standard errors off |",
-        "|---|---|--:|--:|--:|",
-    ]
-    for way in ("balance", "maximum likelihood"):
-        for symbol in SYMBOLS:
-            some = known[(known["way"] == way) & (known["symbol"] == symbol)]
-            some = some[some["value"].notna()]
-            right = held(some)
-            plain = right[~some["noted"].astype(bool)]
-            shares = [f"{100 * h.mean():.1f} % of {h.size}" for h in (right, plain)]
-            off = (some["value"] - some["true"]).abs() > 5.0 * some["standard_error"]
-            wrong = off & ~right & ~some["noted"].astype(bool)
-            lines.append(f"| {way} | {symbol} | {' | '.join(shares)} | {wrong.sum()} |")
+    """Return errors by way, coverage and efficiency by channel, in markdown."""
+    known = rows.dropna(subset=["symbol", "value"]).copy()
+    known["error"] = 100.0 * (known["value"] / known["true"] - 1.0).abs()
+    sets, lines = rows["set"].nunique(), []
+    for (way, symbol), some in known.groupby(["way", "symbol"], sort=False):
+        median, worst = some["error"].quantile([0.5, 0.9])
+        cells = [f"{100 * len(some) / sets:.0f} %", f"{median:.2g} %", f"{worst:.2g} %"]
+        if "low" in some and some["low"].notna().any():
+            plain = some[~some["noted"].astype(bool)]
+            cells += [share(held(some)), share(held(plain))]
+            far = (plain["value"] - plain["true"]).abs() > 5.0 * plain["standard_error"]
+            cells.append(str((far & ~held(plain)).sum()))
+        lines.append([str(way), str(symbol), *cells, *[""] * (6 - len(cells))])
+    heads = ["way", "", "sets with a value", "median error", "worst tenth", "intervals hold, %"]
+    heads += ["those of usable values, %", "usable, and more than 5 standard errors off"]
     one, other = (
         known[known["way"] == way].set_index(["set", "symbol"])["standard_error"]
         for way in ("balance", "maximum likelihood")
     )
-    share = ((other / one) ** 2).drop("K_z", level="symbol").dropna()
+    part = ((other / one) ** 2).drop("K_z", level="symbol").dropna()
     seconds = known[known["way"] == "balance"].groupby("set").first()
     fewer, more = seconds["used"] < seconds["decays"], seconds["used"] > seconds["decays"]
     per_sample = 2e4 * seconds["seconds"] / seconds["samples"].clip(lower=5000)
-    lines += [
-        "",
-        f"{sets} sets, {rows['refused'].notna().sum() if 'refused' in rows else 0} of them refused. The balance uses "
-        f"{100 * share.median():.0f} % of the bound of the fit (median; {100 * share.quantile(0.1):.0f} % in the worst "
+    refused = rows["refused"].notna().sum() if "refused" in rows else 0
+    return (
+        f"{markdown_table(heads, lines)}\n\n{sets} sets, {refused} of them refused. The balance uses "
+        f"{100 * part.median():.0f} % of the bound of the fit (median; {100 * part.quantile(0.1):.0f} % in the worst "
         f"tenth). Processor time for 20,000 samples: {per_sample.median():.1f} s (median), {per_sample.max():.1f} s at "
-        "the most.",
-        "",
-        f"In {(seconds['above'] > 0.5).sum()} of {len(seconds)} sets χ² lies more than 0.5 above the lowest that "
-        f"climbs from the truth reach. In {fewer.sum()} sets the answer has fewer decays than the record, in "
-        f"{more.sum()} more.",
-    ]
-    return "\n".join(lines) + "\n"
+        f"the most.\n\nIn {(seconds['above'] > 0.5).sum()} of {len(seconds)} sets χ² lies more than 0.5 above the "
+        f"lowest that climbs from the truth reach. In {fewer.sum()} sets the answer has fewer decays than the record, "
+        f"in {more.sum()} more.\n"
+    )

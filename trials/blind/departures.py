@@ -26,9 +26,9 @@ from dampbalance.project.wording import markdown_table
 from dampbalance.signals.mean_harmonics import read_features
 
 from .gradual import CONTACTS, steady_on
-from .other_motion import Departure, steady
+from .other_motion import NO_DEPARTURE, Departure, in_units, numbers_of, steady
 from .records import Level, record
-from .score import SYMBOLS
+from .score import SYMBOLS, in_errors
 from .truths import ANSWERS, SEED, Truth, draw, log_uniform
 
 FAR = 5.0  # standard errors
@@ -43,35 +43,20 @@ Motion = Callable[[Truth, int], CubicSpline]
 """(x, x′, x″) of the steady period of a level as a periodic function of ωt, SI."""
 
 
-def _on(name: str) -> Motion:
+def on(name: str) -> Motion:
     """Return a contact of `gradual.CONTACTS`."""
-
-    def motion(t: Truth, level: int) -> CubicSpline:
-        return steady_on(CONTACTS[name](t.K_z, t.F_k), t.m, t.c, t.k, t.Y[level], t.omega)
-
-    return motion
+    contact = CONTACTS[name]
+    return lambda t, i: steady_on(contact(t.K_z, t.F_k), t.m, t.c, t.k, t.Y[i], t.omega)
 
 
-def _other(departure: Departure) -> Motion:
-    """Return a departure in units of c, k, the displacement of a linear oscillator at the highest level, and its
-    speed."""
-
-    def motion(t: Truth, level: int) -> CubicSpline:
-        X = t.k * t.Y[-1] / abs(complex(t.k - t.m * t.omega**2, t.c * t.omega))
-        how = departure._replace(
-            quadratic=departure.quadratic * t.c / (X * t.omega),
-            even=departure.even * t.k / X,
-            cubic=departure.cubic * t.k / X**2,
-            speed=departure.speed * X * t.omega,
-        )
-        return steady((t.m, t.c, t.k, t.K_z, t.F_k, t.Y[level], t.omega), how)
-
-    return motion
+def departed(departure: Departure) -> Motion:
+    """Return a departure in the units of `in_units`."""
+    return lambda t, level: steady(numbers_of(t, level), in_units(departure, t))
 
 
 def _unequal(t: Truth, level: int) -> CubicSpline:
-    F_k = t.F_k * np.linspace(0.9, 1.1, len(t.Y))[level]
-    return steady((t.m, t.c, t.k, t.K_z, F_k, t.Y[level], t.omega), Departure())
+    own = replace(t, F_k=t.F_k * np.linspace(0.9, 1.1, len(t.Y))[level])
+    return steady(numbers_of(own, level), NO_DEPARTURE)
 
 
 @dataclass(frozen=True)
@@ -93,12 +78,12 @@ class Departing:
 
 DEPARTURES = {
     NONE: Departing(),
-    **{f"contact: {name}": Departing(_on(name)) for name in CONTACTS},
-    "friction 20 % higher at rest": Departing(_other(Departure(falling=0.2, speed=0.1))),
-    "quadratic damping, 30 % of c": Departing(_other(Departure(quadratic=0.3))),
-    "even stiffness, 2 % of k": Departing(_other(Departure(even=0.02))),
-    "cubic stiffness, 2 % of k": Departing(_other(Departure(cubic=0.02))),
-    "third harmonic of 1 % in the base": Departing(_other(Departure(third=0.01)), third=0.01),
+    **{f"contact: {name}": Departing(on(name)) for name in CONTACTS},
+    "friction 20 % higher at rest": Departing(departed(Departure(falling=0.2, speed=0.1))),
+    "quadratic damping, 30 % of c": Departing(departed(Departure(quadratic=0.3))),
+    "even stiffness, 2 % of k": Departing(departed(Departure(even=0.02))),
+    "cubic stiffness, 2 % of k": Departing(departed(Departure(cubic=0.02))),
+    "third harmonic of 1 % in the base": Departing(departed(Departure(third=0.01)), third=0.01),
     "response late by 2°": Departing(late=math.radians(2.0)),
     "response AC-coupled at 5 % of the frequency": Departing(corner=0.05),
     "F_k 0.9 to 1.1 times, by level": Departing(_unequal),
@@ -177,9 +162,7 @@ def outcome(run: tuple[str, int, int]) -> list[dict[str, object]]:
     row["gradual"] = any(one.code == "gradual" for one in inner)
     for symbol in SYMBOLS:
         p, true = answer.parameters[symbol], truth.parameter(symbol)
-        sizes = abs(p.value - true) / p.standard_error if p.standard_error > 0.0 else math.nan
-        if symbol == "K_z" and math.isfinite(p.value):  # nearly normal as K_z^{−1/2}
-            sizes *= 2.0 * (p.value / true) / (1.0 + math.sqrt(p.value / true))
+        sizes = abs(in_errors(symbol, p.value, true, p.standard_error or math.nan))
         row |= {f"{symbol}_off": p.value / true - 1.0, f"{symbol}_sizes": sizes}
         row[f"{symbol}_usable"] = answer.verdicts[symbol].verdict == USABLE
     return [row]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import NamedTuple
 
 import pandas as pd
 
@@ -51,19 +50,13 @@ TRUTHS = [
 ]
 
 
-class Run(NamedTuple):
-    """One drawing of the noise of one of TRUTHS."""
-
-    truth: int
-    replicate: int
-
-
-def replicate(run: Run) -> list[dict[str, object]]:
-    """Return rows of one drawing, as of `score.outcome`, with the standard error of the bound."""
-    truth = TRUTHS[run.truth]
-    measurements = records(truth, (SEED, run.replicate))
+def replicate(run: tuple[int, int]) -> list[dict[str, object]]:
+    """Return rows of one drawing of the noise, as of `score.outcome`.   run : place in TRUTHS, and number."""
+    place, drawing = run
+    truth = TRUTHS[place]
+    measurements = records(truth, (SEED, drawing))
     result = identify_readings([read_features(one, truth.k) for one in measurements], truth.k)
-    own = {"truth": run.truth, "replicate": run.replicate}
+    own = {"truth": place, "replicate": drawing}
     return [own | row for row in numbers(result, truth)]
 
 

@@ -1,4 +1,5 @@
-"""Faults of records and oscillators, one at a time: what each does to F_k, c and K_z, and what is said of it.
+"""Faults of records, one at a time: what each does to F_k, c and K_z, and what is said of it. Oscillators that depart
+from the model are in `departures.py`.
 
 The records are those of the paper's oscillator near resonance and far above it, at five levels: displacements of base
 and mass, 1 % noise, 100 cycles of 100 samples.
@@ -8,8 +9,8 @@ from __future__ import annotations
 
 import itertools
 import math
-import re
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -21,15 +22,15 @@ from scipy.interpolate import CubicSpline
 
 from dampbalance.identification.answer import REFERENCE
 from dampbalance.identification.forced import identify_readings
-from dampbalance.project.wording import markdown_table
+from dampbalance.project.wording import cut, markdown_table
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 
 from . import efficiency
-from .other_motion import Departure, from_rest, steady_signals
+from .other_motion import from_rest
 from .records import Level, levels
-from .score import SYMBOLS, numbers
+from .score import FIRST, SYMBOLS, in_errors, numbers
 from .truths import SEED, Truth
 
 TRUTHS = [
@@ -206,28 +207,6 @@ def _clock(part: float) -> Any:
 # — the oscillator ———————————————————————————————————————————————————————————————————————————————————————————————————
 
 
-def _other(departure: Departure) -> Any:
-    """Return motion of another oscillator; its departure is in units of c, k, the highest displacement and its
-    speed."""
-
-    def moved(level: Level, channel: str, t: Values) -> Values:
-        truth = level.truth
-        highest = levels(truth)[-1].rms(_ANSWER) * math.sqrt(2.0)
-        how = departure._replace(
-            quadratic=departure.quadratic * truth.c / (highest * truth.omega),
-            even=departure.even * truth.k / highest,
-            cubic=departure.cubic * truth.k / highest**2,
-            speed=departure.speed * highest * truth.omega,
-        )
-        if channel == _DRIVE:
-            third = how.third * truth.Y[level.level] * np.cos(3.0 * truth.omega * t)
-            return _exact(level, channel, t) + third
-        motion = steady_signals(truth, level.level, how)
-        return motion(np.mod(truth.omega * t, 2.0 * math.pi))[0]
-
-    return moved
-
-
 def _starting(level: Level, channel: str, t: Values) -> Values:
     if channel == _DRIVE:
         return _exact(level, channel, t)
@@ -296,15 +275,6 @@ FAULTS = (
     Fault("lowest level does not slip", levels=_low),
     Fault("K_z 0.6 to 1.4 times, by level", levels=_each(K_z=(0.6, 0.8, 1.0, 1.2, 1.4))),
     Fault("F_k 0.9 to 1.1 times, by level", levels=_each(F_k=(0.9, 0.95, 1.0, 1.05, 1.1))),
-    *(
-        Fault(f"Bouc–Wen contact, n = {n:g}", signal=_other(Departure(bouc_wen=n)))
-        for n in (1.0, 2.0, 10.0)
-    ),
-    Fault("friction 20 % higher at rest", signal=_other(Departure(falling=0.2, speed=0.1))),
-    Fault("quadratic damping, 10 % of c", signal=_other(Departure(quadratic=0.1))),
-    Fault("even stiffness, 2 % of k", signal=_other(Departure(even=0.02))),
-    Fault("cubic stiffness, 2 % of k", signal=_other(Departure(cubic=0.02))),
-    Fault("third harmonic of 1 % in the base", signal=_other(Departure(third=0.01))),
 )
 
 
@@ -337,18 +307,18 @@ def tried(run: Run) -> list[dict[str, object]]:
     return [own | row for row in numbers(result, truth)]
 
 
-def table(rows: pd.DataFrame, approach: str) -> str:
-    """Return Error of each parameter in % and in standard errors, and the words, shortened, in markdown."""
+def table(rows: pd.DataFrame) -> str:
+    """Return the error of each parameter in % and in standard errors, and what is said, in markdown."""
     rows = rows.fillna({"notes": "", "warnings": ""})
     lines = [
-        f"Errors of {approach} in % (in standard errors), medians of {rows['drawing'].nunique()} drawings of the "
-        "noise; what is said in the first, after a star of this approach.",
+        f"Errors of the {FIRST} in % (in standard errors), medians of {rows['drawing'].nunique()} drawings of the "
+        "noise; what is said in the first, after a star of this answer.",
     ]
     for place, of_truth in rows.groupby("truth"):
         truth = TRUTHS[int(place)]
         heads = ["fault", *SYMBOLS, "m, by maximum likelihood", "what is said"]
         groups = (group for _, group in of_truth.groupby("fault"))
-        cells = [[group["name"].iloc[0], *_cells(group, approach)] for group in groups]
+        cells = [[group["name"].iloc[0], *_cells(group)] for group in groups]
         lines += [
             f"At {truth.omega / (2.0 * math.pi):.4g} Hz, ω/ω_n = {truth.omega / truth.omega_n:.2f}:",
             markdown_table(heads, cells),
@@ -356,18 +326,19 @@ def table(rows: pd.DataFrame, approach: str) -> str:
     return "\n\n".join(lines) + "\n"
 
 
-def _cells(group: pd.DataFrame, approach: str) -> list[str]:
-    """Return Errors and words of one fault."""
-    own = group[group["approach"] == approach]
+def _cells(group: pd.DataFrame) -> list[str]:
+    """Return errors and words of one fault."""
+    own = group[group["approach"] == FIRST]
     if own.empty:
-        return ["–"] * 4 + [f"refused: {_short(group['warnings'].iloc[0])}"]
+        return ["–"] * 4 + [f"refused: {cut(group['warnings'].iloc[0], 110)}"]
     cells = [_error(own[own["symbol"] == symbol]) for symbol in SYMBOLS]
     mass = group[(group["approach"] == REFERENCE) & (group["symbol"] == "m")]
     cells.append("none" if mass.empty else _error(mass))
     first = own.iloc[0]
     words = [f"* {note}" for note in first["notes"].split(" | ") if note]
     words += [warning for warning in first["warnings"].split(" | ") if warning]
-    return [*cells, _listed(words)]
+    counted = [f"{word} ({n}×)" if n > 1 else word for word, n in Counter(words).items()]
+    return [*cells, "; ".join(counted) or "nothing"]
 
 
 def _error(drawn: pd.DataFrame) -> str:
@@ -377,22 +348,6 @@ def _error(drawn: pd.DataFrame) -> str:
         return "none"
     if math.isinf(value):
         return f"> {drawn['low'].median() / true:.2g} of it"
-    sizes = (value - true) / drawn["standard_error"].median()
-    if drawn["symbol"].iloc[0] == "K_z" and value > 0.0:  # as `score.judged`
-        sizes *= 2.0 * (value / true) / (1.0 + math.sqrt(value / true))
+    symbol, error = drawn["symbol"].iloc[0], drawn["standard_error"].median()
+    sizes = in_errors(symbol, value, true, error)
     return f"{100 * (value / true - 1.0):+.2g} ({sizes:+.1f})"
-
-
-def _short(words: str, length: int = 110) -> str:
-    return words if len(words) <= length else f"{words[:length].rsplit(' ', 1)[0]} …"
-
-
-def _listed(words: list[str]) -> str:
-    """Return each sentence once whatever its numbers are, without the name of its record, with how often it is said."""
-    alike: dict[str, list[str]] = {}
-    for sentence in words:
-        head, _, rest = sentence.partition(": ")
-        named = rest if head.startswith("level ") else sentence
-        alike.setdefault(re.sub(r"[-+−]?\d[\d.e+-]*", "#", named), []).append(named)
-    counted = [_short(g[0], 80) + f" ({len(g)}×)" * (len(g) > 1) for g in alike.values()]
-    return "; ".join(counted) or "nothing"

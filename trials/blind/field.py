@@ -1,15 +1,7 @@
 """Records as laboratories have them: free decays and forced tests, each with an imperfection of rig or recorder.
 
-A mass on a spring, a damper and a contact, which stand on a frame that moves by s (x = s = 0 at rest):
-
-    m x″ + c (x′ − s′) + k (x − σs) + k₃ (x − σs)³ + Σ f_j = k Y cos ωt
-    m_s s″ + c_s s′ + k_s s = c (x′ − s′) + σ (k (x − s) + k₃ (x − s)³) + Σ f_j
-
-σ = 1 in a free decay, whose spring stands on the frame, 0 where a shaker moves the other end of the spring. The contact
-is one slider, f′ = K_z (x′ − s′) within ± F_k (1 + e^(−|v|/v_s) S ± A + B sin(Ωt + ψ) + D x), v = x′ − s′, or one of
-`gradual.CONTACTS`. Runge–Kutta of order 4 in fixed steps, the contact force as a function of the displacement alone;
-nothing here comes from the package. The signal of the sensor is made at four times the rate of the record, so that
-filters are those of the hardware.
+The motion follows the equations of `other_motion.py`. The signal of the sensor is made at four times the rate of the
+record, so that filters are those of the hardware.
 
 What counts as true: the F_k, c and k of these equations. For a gradual contact F_k is the force at which all of it
 slips; friction that differs by direction (± A) or varies (B, D) counts by its mean; friction that falls with speed by
@@ -23,30 +15,27 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from scipy import signal
 
 from dampbalance.records.channel import Channel
 from dampbalance.records.record import Record
 
-from .decays import _held, _pulled
-from .gradual import CONTACTS, _moved
+from .decays import at_rest, pulled
+from .gradual import CONTACTS
+from .other_motion import Contact, Rig, follow, moved, one_slider
 from .truths import ANSWERS, Linear, log_uniform
 
 _FIELD = 7  # so that the draws are not those of other sets
 STEPS = 2048
 """Of a natural period; kinks cost 1e-5 of the motion and 5e-5 of the acceleration, a hundredth of the least noise."""
 
-_OVER = (
-    4  # samples of the signal for one of the record: filters of hardware, and no aliasing by them
-)
+# samples of the signal for one of the record: filters of hardware, and no aliasing by them
+_OVER = 4
 _MAINS = ((50.0, 1.0), (100.0, 0.3), (150.0, 0.5))  # Hz, relative to the first line
-_LOWEST_RATE = (
-    120.0  # Hz: nobody samples a motion of 1 Hz so slowly that mains at 50 Hz folds over it
-)
+# Hz: nobody samples a motion of 1 Hz so slowly that mains at 50 Hz folds over it
+_LOWEST_RATE = 120.0
 _LEAD = 20.0  # periods of a forced test before its record, in which filters settle
 _SETTLES = 1.5  # over ζ, natural periods: e^(−2π · 1.5) = 1e-4 of the transient is left
 
@@ -62,98 +51,8 @@ FORCED = (CLEAN, MODE, HUM, DRIFT, AC, FILTER, UNSETTLED, *_BOTH, ALL)
 """Kinds of the sets, in turn; `EACH` of them, and the rest are clean."""
 
 EACH = 10
-_MILD = (
-    MODE,
-    HUM,
-    DRIFT,
-    FILTER,
-    BITS,
-)  # what "all at once" has, of sizes in the lowest 30 % of their logarithm
-
-
-class Rig(NamedTuple):
-    """Numbers of the equations, SI units; sigma : σ.   falling, speed : S, v_s.   sided : A.   varying, rate, phase :
-    B, Ω, ψ.   sloping : D."""
-
-    m: float
-    c: float
-    k: float
-    k_3: float = 0.0
-    Y: float = 0.0
-    omega: float = 0.0
-    m_s: float = 0.0
-    c_s: float = 0.0
-    k_s: float = 0.0
-    sigma: float = 1.0
-    falling: float = 0.0
-    speed: float = 1.0
-    sided: float = 0.0
-    varying: float = 0.0
-    rate: float = 0.0
-    phase: float = 0.0
-    sloping: float = 0.0
-
-
-@njit(cache=True)
-def _pushed(f, u, t, x, v, rig, element):
-    """Return the force of an element after a displacement u one way, at the time t, the displacement x and the speed
-    v."""
-    K, F, kind = element
-    if kind > 0.0:
-        return _moved(f, u, element)
-    limit = 1.0 + rig.sloping * x
-    if rig.varying != 0.0:
-        limit += rig.varying * math.sin(rig.rate * t + rig.phase)
-    if rig.falling != 0.0:
-        limit += rig.falling * math.exp(-abs(v) / rig.speed)
-    return min(max(f + K * u, -F * (limit - rig.sided)), F * (limit + rig.sided))
-
-
-@njit(cache=True)
-def _accelerations(t, state, u, f, rig, contact):
-    """Return x″ and s″ of a state (x, x′, s, s′), the contact moved by u since its forces were f."""
-    x, v, s, w = state
-    force = rig.c * (v - w)
-    for j in range(f.size):
-        force += _pushed(f[j], u, t, x, v - w, rig, contact[j])
-    stretch = x - rig.sigma * s
-    spring = (rig.k + rig.k_3 * stretch * stretch) * stretch
-    drive = rig.k * rig.Y * math.cos(rig.omega * t) if rig.Y != 0.0 else 0.0
-    of_mass = (drive - spring - force) / rig.m
-    if rig.m_s == 0.0:
-        return of_mass, 0.0
-    return of_mass, (force + rig.sigma * spring - rig.c_s * w - rig.k_s * s) / rig.m_s
-
-
-@njit(cache=True)
-def follow(rig, contact, state, f, t, h, every, out):
-    """Follow a state (x, x′, s, s′), which changes like the forces f of the contact; (x, x′, x″) of each step number
-    0, every, 2 every, … into out, (3, n).   t : s, at the start.   h : step, s.   Returns the time at the end."""
-    x, v, s, w = state
-    start = t
-    for i in range(out.shape[1] * every):
-        t = start + i * h
-        a1, b1 = _accelerations(t, (x, v, s, w), 0.0, f, rig, contact)
-        if i % every == 0:
-            out[0, i // every], out[1, i // every], out[2, i // every] = x, v, a1
-        g = 0.5 * h
-        v2, w2 = v + g * a1, w + g * b1
-        u = g * (v - w)
-        a2, b2 = _accelerations(t + g, (x + g * v, v2, s + g * w, w2), u, f, rig, contact)
-        v3, w3 = v + g * a2, w + g * b2
-        u = g * (v2 - w2)
-        a3, b3 = _accelerations(t + g, (x + g * v2, v3, s + g * w2, w3), u, f, rig, contact)
-        v4, w4 = v + h * a3, w + h * b3
-        u = h * (v3 - w3)
-        a4, b4 = _accelerations(t + h, (x + h * v3, v4, s + h * w3, w4), u, f, rig, contact)
-        dx, ds = h / 6.0 * (v + 2.0 * (v2 + v3) + v4), h / 6.0 * (w + 2.0 * (w2 + w3) + w4)
-        x, s = x + dx, s + ds
-        v += h / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
-        w += h / 6.0 * (b1 + 2.0 * (b2 + b3) + b4)
-        for j in range(f.size):
-            f[j] = _pushed(f[j], dx - ds, t + h, x, v - w, rig, contact[j])
-    state[:] = x, v, s, w
-    return start + out.shape[1] * every * h
+# what "all at once" has, of sizes in the lowest 30 % of their logarithm
+_MILD = (MODE, HUM, DRIFT, FILTER, BITS)
 
 
 @dataclass(frozen=True)
@@ -271,7 +170,7 @@ def stiffness_given(one: Field) -> float:
     return 1.0 / (1.0 / one.k + 1.0 / rig.k_s) if felt else one.k
 
 
-def rig_of(one: Field, level: int = 0) -> tuple[Rig, np.ndarray]:
+def rig_of(one: Field, level: int = 0) -> tuple[Rig, Contact]:
     """Return the numbers of the equations at a level, and the contact; sizes are drawn alike for all levels."""
     random = one.random(1)
     spread, sign = log_uniform(random), float(random.choice([-1.0, 1.0]))
@@ -279,7 +178,7 @@ def rig_of(one: Field, level: int = 0) -> tuple[Rig, np.ndarray]:
     rig = Rig(one.m, one.c, one.k, sigma=float(not one.forced))
     if one.forced:
         rig = rig._replace(Y=one.Y[level], omega=one.omega)
-    contact = np.array([(one.K_z, one.F_k, 0.0)])
+    contact = one_slider(one.K_z, one.F_k)
     if one.kind == SUPPORT:
         k_s = spread(20.0, 100.0) * one.k
         omega_s, zeta_s = spread(3.0, 8.0) * one.omega_n, spread(0.003, 0.01)
@@ -339,13 +238,13 @@ def motion(one: Field, level: int = 0) -> tuple[np.ndarray, np.ndarray]:
         state[1] = one.X * one.omega_n
     else:
         state[0] = one.X
-        f[:] = [_moved(0.0, one.X, element) for element in contact]
-    lead = [_held(state[0], round(period / step))]
+        f[:] = [moved(0.0, one.X, element) for element in contact]
+    lead = [at_rest(state[0], round(period / step))]
     if one.kind == LEAD:
-        rest = _held(0.0, round(random.uniform(0.5, 3.0) * period / step))
+        rest = at_rest(0.0, round(random.uniform(0.5, 3.0) * period / step))
         if not one.blow:
-            pulled = _pulled(0.0, one.X, random.uniform(1.0, 3.0) * period, step)
-            lead = [pulled, _held(one.X, round(random.uniform(0.5, 2.0) * period / step))]
+            hand = pulled(0.0, one.X, random.uniform(1.0, 3.0) * period, step)
+            lead = [hand, at_rest(one.X, round(random.uniform(0.5, 2.0) * period / step))]
         lead = [rest, *lead]
     parts = []
     if one.kind == DOUBLE:

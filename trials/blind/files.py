@@ -1,8 +1,8 @@
 """Files in the shapes that loggers, apps, video trackers and test machines write: what is read of each at once.
 
 A free decay of a mass, or of a pendulum at small angles, on a spring, a damper and a slider, or loops of a slider on a
-test machine, in a file as the maker of a program, or a student, would write it. The motion comes from `field.follow` in
-fixed steps; nothing but the answer comes from the package, which is asked by its command.
+test machine, in a file as the maker of a program, or a student, would write it. The motion comes from
+`other_motion`, in fixed steps; nothing but the answer comes from the package, which is asked by its command.
 
 A shape is right at once where f_n, or F_k and c, or K_z, are within `WITHIN`; after one change where the message named
 that change; a file that holds nothing to identify is right where the message says what it is. A drive, a unit or a rate
@@ -30,7 +30,7 @@ from scipy.io import savemat
 from dampbalance.commands.main import main
 from dampbalance.project.wording import markdown_table
 
-from .field import Rig, follow
+from .other_motion import Rig, follow, one_slider
 
 _FILES = 59  # so that the draws are not those of other sets
 WITHIN = 0.1
@@ -80,7 +80,7 @@ def decay(random: Random, rate: float = 200.0, seconds: float = 12.0, **of: Any)
     omega = 2.0 * math.pi * f_n
     k, c = m * omega**2, 2.0 * random.uniform(0.002, 0.01) * m * omega
     F_k = k * X / random.uniform(60.0, 120.0)
-    contact = np.array([(k * random.uniform(10.0, 40.0), F_k, 0.0)])
+    contact = one_slider(k * random.uniform(10.0, 40.0), F_k)
     every = max(1, math.ceil(omega / rate * 400))
     out = np.empty((3, int(seconds * rate)))
     state, force = np.array([X, 0.0, 0.0, 0.0]), np.array([F_k])
@@ -112,9 +112,6 @@ def asking(file: File, named: tuple[str, ...], content: str | bytes, name: str =
 SHAPES: dict[str, Callable[[Random], File]] = {}
 """Shapes that issues, manuals and forums show, by name."""
 
-OTHERS: dict[str, Callable[[Random], File]] = {}
-"""Shapes that the readers were not written for."""
-
 
 def shape(of: Callable[[Random], File]) -> Callable[[Random], File]:
     """Enter a shape by the name of its function."""
@@ -122,18 +119,10 @@ def shape(of: Callable[[Random], File]) -> Callable[[Random], File]:
     return of
 
 
-def other(of: Callable[[Random], File]) -> Callable[[Random], File]:
-    """Enter a shape that the readers were not written for."""
-    OTHERS[of.__name__.replace("_", " ")] = of
-    return of
-
-
 _MOTION = ("pendulum", "rate", "rest", "hertz", "seconds")
 
 
-def _columns(
-    name: str, of: Callable[[Motion, Random], Columns | str], *, at: Any = SHAPES, **how: Any
-) -> None:
+def _columns(name: str, of: Callable[[Motion, Random], Columns | str], **how: Any) -> None:
     """Enter a shape that is a table of columns, or a text, of a decay."""
     wanted = {key: how.pop(key) for key in (*how,) if key in _MOTION}
 
@@ -142,7 +131,7 @@ def _columns(
         m = decay(random, **own)
         return of_decay(m, of(m, random), **how)
 
-    at[name] = made
+    SHAPES[name] = made
 
 
 _DEG = 180.0 / math.pi
@@ -377,16 +366,14 @@ def loop(random: Random, cycles: int = 12, per: int = 200) -> tuple[np.ndarray, 
     return turn / hertz, x, force + 0.005 * F * random.standard_normal(x.size), np.array([F, K])
 
 
-def _of_loop(
-    name: str, of: Callable[..., Columns], at: dict[str, Callable] = SHAPES, **how: Any
-) -> None:
+def _of_loop(name: str, of: Callable[..., Columns], **how: Any) -> None:
     """Enter a shape that is a table of loops."""
 
     def made(random: Random) -> File:
         t, x, f, (F, K) = loop(random)
         return File("loop.csv", csv(of(t, x, f), **how), [], {"F_k": F, "K_z": K})
 
-    at[name] = made
+    SHAPES[name] = made
 
 
 _of_loop(
@@ -461,12 +448,8 @@ def _stamped(m: Motion, form: str) -> list[str]:
     return [f"{(start + pd.Timedelta(t, 's')).strftime(form)[:-3]}" for t in m.t]
 
 
-def _other_columns(name: str, of: Callable[[Motion, Random], Columns | str], **how: Any) -> None:
-    _columns(name, of, at=OTHERS, **how)
-
-
-_other_columns("Capstone", lambda m, _: {"Time (s) Run #1": m.t, "Position (m) Run #1": m.x})
-_other_columns(
+_columns("Capstone", lambda m, _: {"Time (s) Run #1": m.t, "Position (m) Run #1": m.x})
+_columns(
     "IMU on a microcontroller",
     lambda m, r: {
         "millis": np.round(1e3 * m.t),
@@ -475,7 +458,7 @@ _other_columns(
         "az": 1.0 + 0.003 * r.standard_normal(m.t.size),
     },
 )
-_other_columns(
+_columns(
     "Physics Toolbox",
     lambda m, r: {
         "time": m.t,
@@ -484,41 +467,41 @@ _other_columns(
         "gFz": 1.0 + _noise(m, r, 0.002)[1],
     },
 )
-_other_columns(
+_columns(
     "French",
     lambda m, _: _comma(csv({"Temps (s)": m.t, "Position (cm)": 1e2 * m.x}, sep=";")),
 )
-_other_columns("Spanish", lambda m, _: {"Tiempo (s)": m.t, "Posición (m)": m.x})
-_other_columns(
+_columns("Spanish", lambda m, _: {"Tiempo (s)": m.t, "Posición (m)": m.x})
+_columns(
     "German in ms",
     lambda m, _: _comma(csv({"Zeit [ms]": 1e3 * m.t, "Auslenkung [mm]": 1e3 * m.x}, sep=";")),
 )
-_other_columns(
+_columns(
     "index of pandas",
     lambda m, _: pd.DataFrame({"time_s": m.t, "displacement_m": m.x}).to_csv(float_format="%.7g"),
 )
-_other_columns(
+_columns(
     "dates",
     lambda m, _: {"timestamp": _stamped(m, "%Y-%m-%d %H:%M:%S.%f"), "displacement_mm": 1e3 * m.x},
 )
-_other_columns(
+_columns(
     "time of day", lambda m, _: {"time": _stamped(m, "%H:%M:%S.%f"), "displacement_mm": 1e3 * m.x}
 )
-_other_columns(
+_columns(
     "vibrometer", lambda m, _: {"Time [ s ]": m.t, "Velocity (Vib) [ mm/s ]": 1e3 * m.v}, sep=";"
 )
-_other_columns(
+_columns(
     "comments",
     lambda m, _: (
         "% release 3\n% t[s]  x[mm]\n" + csv({"": m.t, " ": 1e3 * m.x}, sep=" ", head=False)
     ),
 )
-_other_columns(
+_columns(
     "separator named", lambda m, _: "sep=;\n" + csv({"t [s]": m.t, "x [mm]": 1e3 * m.x}, sep=";")
 )
 
 
-@other
+@shape
 def sensor_logger(random: Random) -> File:
     m = decay(random)
     n = _noise(m, random, 0.01)
@@ -528,7 +511,7 @@ def sensor_logger(random: Random) -> File:
     return asking(file, ("unit",), text.replace(",y,", ",acceleration_y (m/s²),", 1))
 
 
-@other
+@shape
 def pixels(random: Random) -> File:
     m = decay(random)
     columns = {"t_s": m.t, "x_px": 640.0 + 1e4 * m.x, "y_px": 360.0 + _noise(m, random, 0.3)[0]}
@@ -546,14 +529,13 @@ def _test_machine(head: str, sep: str, scale: float) -> Callable[[Random], File]
     return made
 
 
-OTHERS["tensile tester"] = _test_machine("Time,Extension,Load\n(s),(mm),(N)\n", ",", 1.0)
-OTHERS["servohydraulic rig"] = _test_machine(
+SHAPES["tensile tester"] = _test_machine("Time,Extension,Load\n(s),(mm),(N)\n", ",", 1.0)
+SHAPES["servohydraulic rig"] = _test_machine(
     "MTS793\nStation: 2\n\nTime\tAxial Displacement\tAxial Force\nSec\tmm\tkN\n", "\t", 1e-3
 )
 _of_loop(
     "loops with a crosshead",
     lambda t, x, f: {"Time (s)": t, "Crosshead (mm)": 1e3 * x, "Load cell (N)": f},
-    at=OTHERS,
 )
 
 
@@ -601,9 +583,8 @@ def _judged(file: File, document: dict[str, Any]) -> str:
 def outcome(run: tuple[str, int]) -> list[dict[str, object]]:
     """Return how a shape fares.   run : its name, and the seed."""
     name, seed = run
-    shapes = SHAPES | OTHERS
-    random = np.random.default_rng((_FILES, seed, [*shapes].index(name)))
-    file = shapes[name](random)
+    random = np.random.default_rng((_FILES, seed, [*SHAPES].index(name)))
+    file = SHAPES[name](random)
     with tempfile.TemporaryDirectory() as folder:
         message, document = _identified(file, Path(folder))
         judged = _judged(file, document)
@@ -614,19 +595,17 @@ def outcome(run: tuple[str, int]) -> list[dict[str, object]]:
             _, document = _identified(file.changed, Path(folder))
             judged = f"{_judged(file, document)} after one change"
     invented = bool(re.search(_INVENTED, message))
-    family = "named" if name in SHAPES else "not written for"
-    row = {"shapes": family, "shape": name, "outcome": judged, "invented": invented}
+    row = {"shape": name, "outcome": judged, "invented": invented}
     return [row | {"message": " ".join(message.split())[:300]}]
 
 
 def table(rows: pd.DataFrame) -> str:
     """Return how many files came out how, and those that were not right, in Markdown."""
-    counts = rows.value_counts(["shapes", "outcome"], sort=False)
-    counted = [(*map(str, of), str(n)) for of, n in counts.items()]
+    counted = [(str(of), str(n)) for of, n in rows["outcome"].value_counts().items()]
     left = rows[~rows["outcome"].str.startswith("right") | rows["invented"]]
     shown = left[["shape", "outcome", "message"]].itertuples(index=False, name=None)
     tables = (
-        markdown_table(("shapes", "outcome", "files"), counted, "llr"),
+        markdown_table(("outcome", "files"), counted, "lr"),
         markdown_table(("shape", "outcome", "message"), shown),
     )
     return "\n\n".join([*tables, f"Drafts that invent something: {rows['invented'].sum()}"])

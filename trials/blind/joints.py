@@ -21,12 +21,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
-from scipy.stats import binomtest
 
 from dampbalance.fit.contacts import ContactFit, compare_contacts
 from dampbalance.fit.stiffness_lines import StiffnessLines
 from dampbalance.project.wording import markdown_table
 
+from .score import share
 from .truths import log_uniform
 
 _JOINTS = 5  # so that the draws are not those of other sets
@@ -263,13 +263,8 @@ def table(rows: pd.DataFrame) -> str:
     single = fits[fits["kind"] == SLIDER]
     cells = []
     for symbol in _SYMBOLS:
-        count, of_all = int(single[symbol].sum()), len(single)
-        ends = binomtest(count, of_all).proportion_ci()
-        share = f"{100 * count / of_all:.0f} ({100 * ends.low:.0f}–{100 * ends.high:.0f})"
-        cells.append([symbol, share, str(of_all)])
-    parts.append(
-        markdown_table(["single sliders", "intervals that hold the truth, %", "of"], cells)
-    )
+        cells.append([symbol, share(single[symbol])])
+    parts.append(markdown_table(["single sliders", "intervals that hold the truth, %"], cells))
     names = ["one slider", "gradual", "no contact", "refused"]
     counts = []
     for kind, some in rows.groupby("kind"):

@@ -15,7 +15,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binomtest
 
 from dampbalance.identification.law_comparison import compare_laws
 from dampbalance.project.wording import markdown_table
@@ -24,6 +23,7 @@ from dampbalance.records.record import Record
 from dampbalance.signals.mean_harmonics import read_features
 
 from .other_motion import Departure, steady
+from .score import share
 from .truths import SEED, log_uniform
 
 # terms besides friction, by the law's name
@@ -136,9 +136,9 @@ def _candidate(law: str, random: np.random.Generator) -> Drawn:
     friction, *others = _shares(1 + len(LAWS[law]), random)
     v, w = (np.real(1j * omega * amplitude * np.exp(1j * _phases())) for amplitude in (x, Y))
     coefficients = {}
-    for symbol, share in zip(LAWS[law], others, strict=True):
+    for symbol, part in zip(LAWS[law], others, strict=True):
         lost = 2.0 * math.pi / omega * np.mean(_FORCES[symbol](v, w, k, omega) * v)
-        coefficients[symbol] = float(share * work / lost)
+        coefficients[symbol] = float(part * work / lost)
     return Drawn(
         law=law,
         m=m,
@@ -201,36 +201,23 @@ def named(symbols: Iterable[str]) -> str:
 def table(rows: pd.DataFrame) -> str:
     """Return true law × chosen law, in sets, with the parts that are right and that have a term too many, each with its
     own 95 % interval."""
+    right = rows["chosen"] == rows["law"]
+    pairs = zip(rows["law"], rows["chosen"], strict=True)
+    extra = pd.Series([_terms(chosen) > _terms(law) for law, chosen in pairs], index=rows.index)
     counts = pd.crosstab(rows["law"], rows["chosen"])
-    others = sorted(set(counts.columns) - set(LAWS))
-    columns = [*LAWS, *others]
+    columns = [*LAWS, *sorted(set(counts.columns) - set(LAWS))]
     counts = counts.reindex(index=list(LAWS), columns=columns, fill_value=0)
-    sets = counts.sum(axis=1)
-    extra = {
-        law: sum(counts.loc[law, other] for other in columns if _terms(other) > _terms(law))
-        for law in LAWS
-    }
     lines = []
     for law in LAWS:
+        own = rows["law"] == law
         cells = [str(counts.loc[law, other] or "") for other in columns]
-        parts = [_share(part, sets[law]) for part in (counts.loc[law, law], extra[law])]
-        lines.append([law, str(sets[law]), *cells, *parts])
-    heads = ["true law", "sets", *columns, "right", "a term too many"]
-    right = sum(counts.loc[law, law] for law in LAWS)
+        lines.append([law, str(own.sum()), *cells, share(right[own]), share(extra[own])])
+    heads = ["true law", "sets", *columns, "right, %", "a term too many, %"]
+    none = share(rows["chosen"] == NONE)
     return (
-        f"{markdown_table(heads, lines)}\n\n"
-        f"The right law in {_share(right, sets.sum())} of {sets.sum()} sets, a term too many in "
-        f"{_share(sum(extra.values()), sets.sum())}, no law in "
-        f"{_share((rows['chosen'] == NONE).sum(), sets.sum())}.\n"
+        f"{markdown_table(heads, lines)}\n\nOf all sets, %: the right law in {share(right)}, a term too many in "
+        f"{share(extra)}, no law in {none}.\n"
     )
-
-
-def _share(count: int, sets: int) -> str:
-    """Return a part of so many sets, %, with its own 95 % interval."""
-    if not sets:
-        return "–"
-    interval = binomtest(int(count), int(sets)).proportion_ci()
-    return f"{count / sets:.1%} ({100 * interval.low:.0f}–{100 * interval.high:.0f})"
 
 
 def _terms(law: str) -> frozenset[str]:

@@ -1,9 +1,8 @@
 """Measured loops of contacts on a test machine, from time stepping that uses nothing of the package.
 
-The contacts are Jenkins's element, Iwan's distribution of them (uniform in the force at which each yields), Bouc and
-Wen's model with n = 1 and 2, and a slider whose friction falls with the speed (Stribeck). Motions are sines of one or
-two amplitudes and triangles; forces have an offset, a drift, noise of 1 % and, of a half of them, the other sign; a
-fixture may have a backlash.
+The contacts are Jenkins's element, one behind a backlash, those of `gradual.py`, and a slider whose friction falls with
+the speed (Stribeck). Motions are sines of one or two amplitudes and triangles; forces have an offset, a drift, noise of
+1 % and, of a half of them, the other sign.
 """
 
 from __future__ import annotations
@@ -12,53 +11,47 @@ import math
 
 import numpy as np
 import pandas as pd
+from numba import njit
 
 from dampbalance import identify_loops
 from dampbalance.project.wording import markdown_table
 
+from .gradual import CONTACTS as GRADUAL
+from .other_motion import moved, one_slider
+from .truths import log_uniform
+
 _LOOPS = 46  # so that the draws are not those of other sets
-CONTACTS = ("Jenkins", "backlash", "triangle", "Iwan", "Bouc-Wen 1", "Bouc-Wen 2", "Stribeck")
+CONTACTS = ("Jenkins", "backlash", "triangle", "Stribeck", *GRADUAL)
 NOISE = 0.01
 _FINE = 8  # steps of the generator for each sample
-_WRONG = (
-    0.05  # of a number that is called usable: further off, and outside of its interval, is silent
-)
+# of a number that is called usable: further off, and outside of its interval, is silent
+_WRONG = 0.05
 
 
-def _log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """Return a number whose logarithm is uniform."""
-    return float(math.exp(rng.uniform(math.log(low), math.log(high))))
+@njit(cache=True)
+def _followed(x, step, elements, gap, falling, speed):
+    """Return the force of elements that follow x after a backlash of ± gap, friction higher at rest by a part."""
+    forces, force, z = np.zeros(len(elements)), np.zeros(x.size), 0.0
+    for i in range(1, x.size):
+        dx, before = x[i] - x[i - 1], z
+        if gap > 0.0:
+            reach = elements[0, 1] / elements[0, 0] + gap
+            z = min(max(z + dx, -reach), reach)
+            dx = math.copysign(max(abs(z) - gap, 0.0), z)
+            dx -= math.copysign(max(abs(before) - gap, 0.0), before)
+        higher = 1.0 + falling * math.exp(-((dx / step / speed) ** 2))
+        for j in range(len(elements)):
+            K, F, kind = elements[j]
+            forces[j] = moved(forces[j], dx, (K, higher * F, kind))
+        force[i] = forces.sum()
+    return force
 
 
 def _force(contact: str, x: np.ndarray, step: float, F: float, K: float, X: float) -> np.ndarray:
     """Return the force of a contact by time stepping, N."""
-    z, force = 0.0, np.empty(x.size)
-    shares = (np.arange(60) + 0.5) / 30.0  # of Iwan: forces at which they yield over the mean one
-    many, gap, speed = np.zeros(60), 0.1 * X, 0.3 * X * 2.0 * math.pi
-    power = 2 if contact == "Bouc-Wen 2" else 1
-    for i, dx in enumerate(np.diff(x, prepend=x[0])):
-        if contact == "Iwan":
-            many = np.clip(many + K * dx, -F * shares, F * shares)
-            force[i] = many.mean()
-        elif contact.startswith("Bouc"):
-            # ż = ẋ (1 − |z|ⁿ (½ + ½ sgn(zẋ))), by the midpoint rule in small steps
-            middle = z
-            for part in (0.5, 1.0):
-                grows = 0.5 + 0.5 * math.copysign(1.0, middle * dx)
-                middle = z + part * K / F * dx * (1.0 - abs(middle) ** power * grows)
-            z = middle
-            force[i] = F * z
-        elif contact == "backlash":
-            reach = F / K + gap
-            z = min(max(z + dx, -reach), reach)
-            force[i] = K * math.copysign(max(abs(z) - gap, 0.0), z)
-        else:
-            top = F
-            if contact == "Stribeck":
-                top = F * (1.0 + 0.4 * math.exp(-((dx / step / speed) ** 2)))
-            z = min(max(z + K * dx, -top), top)
-            force[i] = z
-    return force
+    elements = GRADUAL.get(contact, one_slider)(K, F)
+    gap, falling = 0.1 * X * (contact == "backlash"), 0.4 * (contact == "Stribeck")
+    return _followed(x, step, elements, gap, falling, 0.3 * X * 2.0 * math.pi)
 
 
 def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
@@ -66,9 +59,10 @@ def outcome(run: tuple[int, int]) -> list[dict[str, object]]:
     index, seed = run
     rng = np.random.default_rng([_LOOPS, seed, index])
     contact = CONTACTS[index % len(CONTACTS)]
-    F, X = _log_uniform(rng, 1.0, 1e4), _log_uniform(rng, 1e-4, 1e-2)
+    spread = log_uniform(rng)
+    F, X = spread(1.0, 1e4), spread(1e-4, 1e-2)
     Z = X * rng.uniform(0.1, 0.3)
-    K, hertz = F / Z, _log_uniform(rng, 0.5, 5.0)
+    K, hertz = F / Z, spread(0.5, 5.0)
     k = rng.uniform(0.0, 0.2) * F / X
     c = rng.uniform(0.02, 0.2) * F / (2.0 * math.pi * hertz * X)
     c *= contact != "triangle"

@@ -6,6 +6,7 @@ import itertools
 import math
 import time
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -103,16 +104,19 @@ def _of_fit(result: Result[ForcedBasis]) -> dict[str, ParameterEstimate]:
     return {**result.reference.parameters, "m": m}
 
 
+def in_errors(symbol: Any, value: Any, true: Any, error: Any) -> Any:
+    """Return the error of a value in standard errors; of K_z that of K_z^{−1/2}, in which it is nearly normal."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        plain, root = value - true, 2.0 * value * (np.sqrt(np.maximum(value / true, 0.0)) - 1.0)
+        return np.where((symbol == "K_z") & (value > 0.0), root, plain) / error
+
+
 def judged(rows: pd.DataFrame) -> pd.DataFrame:
     """Return rows of `outcome` with their errors, these in standard errors (sizes), and whether anything was said."""
     rows = rows.fillna({"notes": "", "warnings": ""})
     rows["error"] = rows["value"] - rows["true"]
-    rows["sizes"] = rows["error"].abs() / rows["standard_error"]
-    # K_z is nearly normal as K_z^{−1/2}, and so is its interval
-    ratio = rows["value"] / rows["true"]
-    rooted = 2.0 * (np.sqrt(ratio.clip(lower=0.0)) - 1.0).abs() * rows["value"]
-    rooted /= rows["standard_error"]
-    rows["sizes"] = rows["sizes"].where((rows["symbol"] != "K_z") | ~(ratio > 0.0), rooted)
+    columns = (rows[name] for name in ("symbol", "value", "true", "standard_error"))
+    rows["sizes"] = np.abs(in_errors(*columns))
     rows["starred"] = rows["notes"] != ""
     rows["remarked"] = rows["starred"] | (rows["warnings"] != "")
     return rows
@@ -139,16 +143,16 @@ def _coverage(own: pd.DataFrame, name: str) -> str:
     lines = []
     for column, key, group in groups:
         parts = itertools.product((group, group[~group["remarked"]]), SYMBOLS)
-        cells = (_share(part[part["symbol"] == symbol]) for part, symbol in parts)
+        cells = (share(held(part[part["symbol"] == symbol])) for part, symbol in parts)
         lines.append([column, key, *cells])
     return markdown_table(heads, lines)
 
 
-def _share(part: pd.DataFrame) -> str:
-    """Return percentage of intervals that hold the truth, with its own 95 % interval, of how many."""
-    if part.empty:
+def share(held: pd.Series) -> str:
+    """Return the percentage of what is true, with its 95 % interval, and of how many."""
+    if held.empty:
         return "–"
-    count, of = int(held(part).sum()), len(part)
+    count, of = int(held.sum()), len(held)
     test = binomtest(count, of).proportion_ci()
     return f"{100 * count / of:.0f} ({100 * test.low:.0f}–{100 * test.high:.0f}) of {of}"
 

@@ -67,7 +67,7 @@ class Truth(Linear):
 
     def parameter(self, symbol: str) -> float:
         """Return the true value of F_k, c, K_z or m."""
-        return {"F_k": self.F_k, "c": self.c, "K_z": self.K_z, "m": self.m}[symbol]
+        return float(getattr(self, symbol))
 
 
 def log_uniform(random: np.random.Generator) -> Callable[[float, float], float]:

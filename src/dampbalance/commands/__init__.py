@@ -1,1 +1,1 @@
-"""The command line: `dampbalance identify` and `dampbalance simulate`."""
+"""The command line: `dampbalance identify`, `demo`, `simulate` and `release`."""

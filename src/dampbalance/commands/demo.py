@@ -1,4 +1,4 @@
-"""dampbalance demo: example records, their identification and its report, to see within seconds what comes out.
+"""dampbalance demo: example records, their identification and its report, within seconds.
 
 Five records of the paper's oscillator below its resonance are simulated, with 1 % of noise, and identified by the
 command that is shown: repeat it with records and a stiffness of your own.

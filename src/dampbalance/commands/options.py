@@ -48,12 +48,12 @@ def _plain(text: str) -> float | str:
 
 
 def argument(words: str, **form: Any) -> dict[str, Any]:
-    """Return an argument, with its help; one of which nothing else is said is a flag."""
+    """Return an argument with its help; without a form it is a flag."""
     return {"help": words, **(form or {"action": "store_true"})}
 
 
 def quantity(name: str, default: float | None, words: str, **more: Any) -> dict[str, Any]:
-    """Return an option with a number of the table; without a default, the words say what stands for it."""
+    """Return an option with a number of the table; if it has no default, the words say what is used instead."""
     if default is not None:
         words, more["default"] = f"{words} (default: %(default)s)", default
     return argument(words, **{"type": number(name), **more})

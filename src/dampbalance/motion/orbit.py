@@ -278,13 +278,16 @@ def read_orbits(path: str | Path) -> list[Orbit]:
 def steady_orbit(
     oscillator: Oscillator, motion: BaseMotion, *, most_radians: float = MOST_RADIANS
 ) -> Orbit:
-    """Return the exact steady response to harmonic base motion, in any regime.
+    """Return the steady response to harmonic base motion, exact to rounding, in any regime of stick and slip.
 
-    most_radians : of the fastest motion of the oscillator, that are followed in search of an orbit with several slips
-    per half cycle; the default takes seconds. Choose fewer where an orbit that takes long is not worth the wait.
+    Use it for one case and all that follows from it: the motion in time, harmonics, plots. `steady_orbits` solves many
+    cases at once, about a million per second.
 
-    Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
-    found, ValueError for what is no oscillator and no motion.
+    most_radians : limit of the search for an orbit with several slips per half cycle, in radians of the fastest motion
+    of the oscillator. The default takes seconds at most; choose less to give up earlier.
+
+    Raises NoSteadyOrbit if there is no steady response (an undamped oscillator driven at resonance, with F_k < πkY/4)
+    or none was found, and ValueError for arguments of other classes.
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, steady_orbit

@@ -136,9 +136,9 @@ def read_case_schema() -> Any:
 
 
 def check_case(config: Mapping[str, Any], files: Iterable[str | Path]) -> None:
-    """Check a configuration against its schema and for sense.
+    """Check a configuration against its schema, and its keys against each other.
 
-    files : the YAML files it was merged from, the last one winning; they serve to say where a key stands.
+    files : the YAML files from which it was merged, the last one winning, for the lines in messages.
 
     Raises ConfigurationError listing every problem, a line each.
     """

@@ -146,7 +146,7 @@ def _one_line(text: str) -> str:
 def against_schema(
     document: Any, schema: Mapping[str, Any], approaches: Iterable[str] = ()
 ) -> list[Problem]:
-    """Return what is wrong with a document by its JSON schema, or because no value can be so; in a fixed order.
+    """Return the faults of a document by its JSON schema, and values that nothing can use, in a fixed order.
 
     approaches : names that the schema's `registered: approach` allows; `registered: term` allows those of KNOWN_TERMS.
 
@@ -164,8 +164,8 @@ def against_schema(
 def _validator(schema: Mapping[str, Any], approaches: list[str]) -> Any:
     """Return a validator that knows our keyword `registered`.
 
-    Its value is the name of an approach, of a term of a law, or one of those of `also` next to it. An
-    integer is one to Python (2.0 is none), and a pattern holds for the whole text, its last line end too.
+    Its value is the name of an approach, of a term of a law, or one of those of `also` next to it. Integers are
+    Python's (2.0 is not one), and a pattern must match the whole text, a line end included.
     """
 
     def check(_: Any, kind: str, value: Any, node: Any) -> Iterable[ValidationError]:

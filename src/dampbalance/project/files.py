@@ -26,7 +26,7 @@ SIGNIFICANT_DIGITS = 15
 every processor that was tried, and differences of two responses need them."""
 
 EVERY_DIGIT = 17
-"""Digits with which a float comes back with every bit, for a table whose numbers are compared with printed ones."""
+"""Digits that keep every bit of a float, for a table that is compared with printed numbers."""
 
 READ_OUT_DIGITS = 13
 """Digits of features read off a sampled response. In the paper's case another processor changes them by up to 5e-14,
@@ -34,8 +34,8 @@ relative; where the truth is zero, as for harmonics of a response that sticks, i
 
 STATISTICAL_DIGITS = 6
 """Digits of statistics of noisy records, which another processor changes by up to 3e-7, and chance by far more."""
-# Steps that read a table start from equal numbers again; only one at a tie between two roundings may still differ.
-# Orbits, records and cases of studies (JSON, Parquet) keep every bit: too many for no tie to occur, or to be continued.
+# Rounding lets the steps that read a table start from equal numbers on every processor, except at a tie between
+# roundings. Orbits, records and cases of studies (JSON, Parquet) keep every bit: so many numbers would have ties.
 
 UNFINISHED = ".~"  # how the name of a temporary file or folder begins
 
@@ -60,7 +60,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def remove_unfinished(folder: str | Path) -> None:
-    """Remove what runs left unfinished below a folder when they were killed. No run may be alive there."""
+    """Remove the temporary files that killed runs left below a folder, in which no run may be active."""
     for path in list(Path(folder).rglob(f"{UNFINISHED}*")):
         if path.is_dir():
             shutil.rmtree(path)

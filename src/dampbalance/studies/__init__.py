@@ -6,7 +6,7 @@ parameters.py     what can be varied, in which unit, and how it becomes m, c, k,
 cases.py          the values of any stretch of cases, the columns of their table, and its size before anything runs
 responses.py      responses computed one after the other: any law, fixed steps, sampled and noisy records
 evaluate.py       one chunk: cases → responses → rows → errors, as a table
-case_files.py     the chunks as one Parquet file, read a stretch at a time, and a manifest
+case_files.py     the chunks as one Parquet file, read a column at a time, and a manifest
 study.py          studies from Python, without a file
 shown/            figures, tables and paragraphs from the table of cases
 """

@@ -1,4 +1,4 @@
-"""The least standard errors that records can leave: the Cramér–Rao bound of the harmonics of an oscillator."""
+"""The smallest standard errors that records allow: the Cramér–Rao bound of the harmonics of an oscillator."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ def fit_at_truth(
 ) -> WaveformFit | None:
     """Return the fit to the exact harmonics of an oscillator, at its own values; None where nothing slips.
 
-    Use its standard errors to judge how much an estimate makes of records of base displacement and displacement: no
-    unbiased estimate has a smaller covariance (the Cramér–Rao bound; Kay, *Fundamentals of Statistical Signal
-    Processing: Estimation Theory*, 1993, chapter 3), as harmonics hold all the information on a steady motion. Unknown
-    offsets and an unknown noise cost nothing: their information is orthogonal.
+    Use its standard errors to judge how much of the information in records of base displacement and displacement an
+    estimate uses: no unbiased estimate has a smaller covariance (the Cramér–Rao bound; Kay, *Fundamentals of
+    Statistical Signal Processing: Estimation Theory*, 1993, chapter 3), as harmonics hold all the information on a
+    steady motion. Unknown offsets and an unknown noise do not change it: their information is orthogonal.
 
     motions : one per record; frequencies may differ.
     errors : standard errors of |Y| and of the real and the imaginary part of each harmonic of x, m, for each record:

@@ -1,4 +1,4 @@
-"""The files of a study: one Parquet file of all cases, read and written a stretch at a time, and a manifest.
+"""The files of a study: one Parquet file of all cases, written a part and read a column at a time, and a manifest.
 
 The table has a row per case. Column names end in their unit, or name a pure number; the metadata of the file
 hold unit and meaning of each column, too. The same study gives the same bytes, whatever the number of cores or the
@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -28,24 +27,16 @@ CasesLike: TypeAlias = str | Path | pd.DataFrame
 """The table of cases: its file, or the table itself."""
 
 MANY = 100_000
-"""A table of so many cases or more is written uncompressed: numbers of which no two are alike hardly compress, and
-compressing them takes longer than computing them."""
-
-
-def stretches(cases: CasesLike, names: Sequence[str]) -> Iterator[dict[str, Words]]:
-    """Yield the columns named, row group by row group, in the order of the cases: memory is that of a row group."""
-    if isinstance(cases, pd.DataFrame):
-        yield {name: cases[name].to_numpy() for name in names}
-        return
-    with pq.ParquetFile(cases) as file:
-        for group in range(file.num_row_groups):
-            table = file.read_row_group(group, columns=list(dict.fromkeys(names)))
-            yield {name: table[name].to_numpy() for name in names}
+"""From this number of cases on the table is written uncompressed: distinct numbers hardly compress, and compressing
+them takes longer than computing them."""
 
 
 def column_of(cases: CasesLike, name: str) -> Words:
-    """Return one whole column of the table of cases."""
-    return np.concatenate([stretch[name] for stretch in stretches(cases, [name])])
+    """Return one column of the table of cases."""
+    if isinstance(cases, pd.DataFrame):
+        return cases[name].to_numpy()
+    with pq.ParquetFile(cases) as file:
+        return file.read([name])[name].to_numpy()
 
 
 def terms_of(cases: CasesLike) -> list[str]:
@@ -94,7 +85,7 @@ def join_chunks(path: str | Path, chunks: Sequence[str | Path], study: Study) ->
 
 def write_manifest(path: str | Path, cases: str | Path, study: Study, version: str) -> None:
     """Write what the table of cases is: study, version, seeds, settings, cases per regime, columns with units."""
-    counts = Counter(word for part in stretches(cases, ["regime"]) for word in part["regime"])
+    counts = Counter(column_of(cases, "regime"))
     seen = {word for pattern in counts for word in pattern.split(", ")}
     write_json(
         path,

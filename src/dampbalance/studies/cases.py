@@ -18,10 +18,10 @@ from .parameters import SI_COLUMNS, in_si, mechanical, of_law, parameter
 from .study_file import CONTACT, Sampled, Study, case_values
 
 PART = 131_072
-"""Cases that are in memory at a time, and a row group of the file: 0.8 kB each while they are worked on."""
+"""Cases in memory at a time, 0.8 kB each, and in a row group of the file."""
 
 MOST_CHUNKS = 20_000
-"""More jobs than this keep the scheduler busier than the processors: make the chunks larger."""
+"""Beyond this number of jobs the scheduler takes longer than the computations."""
 
 
 class Cases(NamedTuple):
@@ -95,7 +95,7 @@ _CONTACT_STIFFNESS = Term(CONTACT, None, "contact stiffness", "N/m")
 
 
 def identified_by(symbol: str) -> Term:
-    """Return what can be identified: a term of a damping law, or K_z, by its symbol."""
+    """Return the term of a damping law, or K_z, by its symbol."""
     return _CONTACT_STIFFNESS if symbol == CONTACT else term(symbol)
 
 
@@ -148,8 +148,8 @@ def _of_parameter(name: str) -> Column:
 
 
 class StudySize(NamedTuple):
-    """Size of a study: cases, levels of each, chunks, and bytes of the finished table; while the finished chunks are
-    joined, twice as many are in use."""
+    """Size of a study: cases, levels of each, chunks, and bytes of the finished table; twice as many while the chunks
+    are joined."""
 
     cases: int
     levels: int
@@ -193,7 +193,7 @@ def check_size(study: Study, size: StudySize, folder: str | Path, file: str | Pa
         )
     path = Path(folder).absolute()
     existing = next(place for place in (path, *path.parents) if place.exists())
-    # a study leaves 5 % of the free disk
+    # 5 % of the free disk are left
     needed, free = 2 * size.table_bytes, int((1.0 - 0.05) * shutil.disk_usage(existing).free)
     if needed > free:
         raise ConfigurationError(

@@ -42,9 +42,7 @@ def evaluate(study: Study, start: int, stop: int, threads: int | None = None) ->
 
     threads : for the exact orbits. The numbers depend neither on them nor on start and stop.
     """
-    firsts = range(start, stop, _SLICE)
-    slices = (cases_between(study, first, min(first + _SLICE, stop)) for first in firsts)
-    parts = [_evaluate(cases, threads) for cases in slices]
+    parts = [_evaluate(cases, threads) for cases in _slices(study, start, stop)]
     names = [column.name for column in case_columns(study)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
     return pd.DataFrame(columns, copy=False)  # one block of all columns would take a copy
@@ -64,8 +62,7 @@ def responses_of(study: Study, start: int, stop: int, threads: int | None = None
     The table has a row for each case and level: the axes, the level counted from 1 and the features, names with units.
     """
     parts = []
-    for first in range(start, stop, _SLICE):
-        cases = cases_between(study, first, min(first + _SLICE, stop))
+    for cases in _slices(study, start, stop):
         levels, count = cases.Y.shape
         columns = {"case": cases.numbers} | {name: cases.values[name] for name in study.axis_names}
         table: dict[str, Any] = {name: np.repeat(x, levels) for name, x in columns.items()}
@@ -75,6 +72,11 @@ def responses_of(study: Study, start: int, stop: int, threads: int | None = None
         table["regime"] = np.array([REGIME_NAMES.get(word, NOT_READ) for word in table["regime"]])
         parts.append(pd.DataFrame(table))
     return pd.concat(parts, ignore_index=True)
+
+
+def _slices(study: Study, start: int, stop: int) -> Iterator[Cases]:
+    for first in range(start, stop, _SLICE):
+        yield cases_between(study, first, min(first + _SLICE, stop))
 
 
 def _evaluate(cases: Cases, threads: int | None) -> dict[str, Any]:

@@ -19,7 +19,7 @@ import numpy as np
 from ..arrays import Array
 from ..balance import TERMS
 from ..law.terms import KNOWN_TERMS, Term
-from ..model import Oscillator
+from ..model import UNITS, Oscillator, named_with_unit
 from ..project.documents import read_schema
 
 ParameterKind = Literal["oscillator", "excitation", "numerics", "read_out"]
@@ -53,11 +53,6 @@ class Parameter:
         return f"${self.symbol}$" if self.symbol else self.meaning
 
 
-def in_tex(symbol: str) -> str:
-    """Return the symbol of a term, or several, in TeX."""
-    return symbol.replace("eta", r"\eta")
-
-
 OF_LAW = {term.column: term for term in KNOWN_TERMS.values() if term not in TERMS}
 """Coefficients of further terms of the damping law, zero where they are not set: parameter → term."""
 
@@ -66,13 +61,12 @@ STUDY_SCHEMA = Path(__file__).parents[1] / "project/schemas/study.schema.yaml"
 PARAMETERS: dict[str, Parameter] = {
     name: Parameter(**row) for name, row in read_schema(STUDY_SCHEMA)["$defs"]["parameters"].items()
 } | {
-    name: Parameter("oscillator", term.unit or "1", f"{term.words} {term}", in_tex(term))
+    name: Parameter(
+        "oscillator", term.unit or "1", f"{term.words} {term}", term.replace("eta", r"\eta")
+    )
     for name, term in OF_LAW.items()
 }
 """Every name that an axis can have, as the schema describes it, and the coefficients of the law."""
-
-MECHANICAL = [name for name, p in PARAMETERS.items() if p.kind in ("oscillator", "excitation")]
-"""Those that make up the oscillator and its excitation."""
 
 
 def parameter(name: str) -> Parameter:
@@ -87,7 +81,8 @@ def of_law(names: Collection[str]) -> dict[str, Term]:
 
 def mechanical(names: Collection[str]) -> list[str]:
     """Return the names that make up the oscillator and its excitation, among names of parameters."""
-    return [name for name in MECHANICAL if name in names]
+    known = ("oscillator", "excitation")
+    return [name for name, p in PARAMETERS.items() if p.kind in known and name in names]
 
 
 def synonyms(name: str) -> list[str]:
@@ -121,12 +116,6 @@ def oscillator_of(si: Mapping[str, Array], case: int) -> Oscillator:
 
 
 SI_COLUMNS = {
-    "m": "m_kg",
-    "c": "c_N_s_per_m",
-    "k": "k_N_per_m",
-    "K_z": "K_z_N_per_m",
-    "F_k": "F_k_N",
-    "Y": "Y_m",
-    "omega": "omega_rad_per_s",
+    name: named_with_unit(name, UNITS[name]) for name in ("m", "c", "k", "K_z", "F_k", "Y", "omega")
 }
 """Column of each SI parameter in the table of cases."""

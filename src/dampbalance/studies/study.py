@@ -26,16 +26,18 @@ _OF_NAMES = ("approaches", "phases", "sharing", "contact", "weights", "yardstick
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StudyResult:
-    """The cases of a study; what `study` returns. It shows itself as its `summary`.
+    """The result of `study`: the errors of every way to identify F_k and c, case by case.
 
-    settings : what was studied.   cases : the table of cases, as `to_frame` gives it.
+    `print` shows its `summary`, `plot` draws it, and `to_frame` and `to_xarray` return all numbers.
+
+    settings : what was studied.   cases : the table of cases.
     """
 
     settings: Study
     cases: pd.DataFrame
 
     def to_frame(self) -> pd.DataFrame:
-        """Return a row for each case: the axes, the parameters in SI units, the regime, and what `columns` asks for.
+        """Return a table with a row for each case: axes, parameters in SI units, regime, and what `columns` asks for.
 
         Each way to identify F_k and c has columns such as F_k_relative_error__X_s__reversal__individual__least_squares.
         """
@@ -43,15 +45,15 @@ class StudyResult:
 
     @cached_property
     def responses(self) -> pd.DataFrame:
-        """A row for each case and level: the axes, the level counted from 1 and the features of the response, X_m,
-        X_s_m, phi_rad, W_J and so on. They are computed when they are first asked for; noisy ones are the same as those
-        from which the errors come."""
+        """A table with a row for each case and level: axes, level counted from 1, and features of the response, X_m,
+        X_s_m, phi_rad, W_J and so on. They are computed on first use; noisy ones are those from which the errors
+        come."""
         return responses_of(self.settings, 0, self.settings.cases)
 
     @property
     def summary(self) -> pd.DataFrame:
-        """A row for each way to identify: the median and the largest size of the relative errors of each coefficient
-        over the cases that have one, and the share of these."""
+        """A table with a row for each way to identify: median and largest size of the relative error of each
+        coefficient, and the share of the cases in which it could be identified."""
         rows = {}
         for fit in self.settings.fits:
             row: dict[str, float] = {}
@@ -105,10 +107,10 @@ class StudyResult:
         return xarray.Dataset(data, coords)
 
     def plot(self, figure: str | None = None, *, ax: Axes | None = None) -> Any:
-        """Draw a figure of the errors, and return its axes: the one that a study's file without a figure gets.
+        """Draw a figure of the errors and return its axes.
 
         figure : "curves" (errors along an axis), "map" (over two axes) or "scatter" (errors over many runs of noise);
-        default, the one that suits the axes best.
+        default, the one that suits the axes best, as for a file without a figure.
         ax : where to draw the first panel, which is returned; default, a new figure of pyplot, whose axes are returned
         as an array.
 
@@ -159,9 +161,9 @@ def study(
 ) -> StudyResult:
     """Compute how well approaches identify F_k and c, over any parameters of oscillator, excitation or noise.
 
-    Use it to find out how far the method holds for a system like yours, or under another damping law. The arguments
-    are the keys of a study's YAML file, with the same meaning, defaults and checks; take a file for a study with a
-    figure and a text, on many cores, or larger than memory. What is left out is the paper's.
+    Use it to find out how well the method works for a system like yours, or under another damping law. The arguments
+    are the keys of a study's YAML file, with the same meaning, defaults and checks; use a file for a study with a
+    figure and a text, on many cores, or larger than memory. Parameters that are left out have the paper's values.
 
     axes : name of a parameter → its values, an array or a list, or a range
     {"from": 0.4, "to": 2.6, "count": 50, "spacing": "log"}; the cases are their product. Or a list of blocks as in the
@@ -176,7 +178,7 @@ def study(
     columns : what the table holds of each fit: parameters, errors, estimates, residuals, intervals.
     threads : for exact responses; default, the cores that this process may use.
 
-    Raises ConfigurationError, a ValueError, that names every argument that is wrong, and what would be right.
+    Raises ConfigurationError, a ValueError, naming every wrong argument and what would be right.
 
     >>> from dampbalance import study
     >>> studied = study(

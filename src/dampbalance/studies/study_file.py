@@ -160,7 +160,7 @@ def selected(values: Mapping[str, Words], spec: Mapping[str, Any]) -> Mask:
 
 
 class Route(NamedTuple):
-    """A way to the responses of a case, as the schema of studies describes it; what depends on the route is asked here.
+    """A way to compute the responses of a case, as the schema of studies describes it.
 
     kind : its name in the file.
     needs : parameters of the route; of each group one is needed.   optional : further parameters that it takes.
@@ -179,8 +179,8 @@ class Route(NamedTuple):
         return self.kind == "measured"
 
     def takes(self, name: str) -> bool:
-        """Return whether a parameter means something to the route: noise is the limit of reading, and only exact
-        responses are known under further damping."""
+        """Return whether the route uses a parameter: noisy records are read without rounding, and only exact responses
+        exist under further damping."""
         kind = parameter(name).kind
         if kind == "numerics":
             return name in self.optional or any(name in names for names in self.needs)
@@ -200,7 +200,7 @@ COMPLIANT, RIGID = "compliant", "rigid"
 """Models of the contact: with the slip onset as it was read, or without one (`Features.rigid`)."""
 
 WEIGHTED, EQUAL = "weighted", "equal"
-"""Weights of the rows of noisy records: by inverse variance, or all alike, as in Eq. (9)."""
+"""Weights of the rows of noisy records: by inverse variance, or equal, as in Eq. (9)."""
 
 SIMPSON, LIKELIHOOD = "simpson", "fit"
 YARDSTICKS = (SIMPSON, LIKELIHOOD)

@@ -18,14 +18,14 @@ from ...figures.looks import bounded_label, in_maths, label_of
 from ...figures.series import EXACT, SignedScale, decades, is_even, signed_scale
 from ...figures.style import DOUBLE_COLUMN, GREY, INK, note, place, styled
 from ...project.wording import listed, minus, percent
-from ..case_files import CasesLike, stretches, terms_of
+from ..case_files import CasesLike, column_of, terms_of
 from ..study_file import Estimator, Sampled, Study
 from .shown_as import ShownAs, shown_as
 from .statistics import Sizes, places_of
 
-REGION = 0.9  # share of the cases of a bin that its colour is about: nine of ten, as a single one would be chance
-FINEST_LEVEL = 0.1  # of the bound: no lines at smaller errors
-# %: colours tell no smaller errors from zero, and no larger ones from each other
+REGION = 0.9  # share of the cases of a bin whose error its colour bounds; the largest one would depend on chance
+FINEST_LEVEL = 0.1  # of the bound: smallest error with a line
+# %: smaller errors have the colour of zero, larger ones all the same colour
 LEAST_COLOURED, MOST_COLOURED = 1e-2, 1e3
 
 RIGHT_OF_MAPS = 17.0  # mm
@@ -37,6 +37,9 @@ both change evenly to the eye, and for colour-blind readers."""
 # Of a histogram of errors from 1e-8 on: a quantile is good to 5 %. Its last place is for what is not identified.
 _LOWEST_BIN, _BINS_PER_DECADE, _BINS = -8, 24, 288
 _HALO: list[AbstractPathEffect] = [withStroke(linewidth=1.6, foreground="white", alpha=0.7)]
+
+
+_Key = tuple[Estimator, str]  # of a map: fit and term
 
 
 class _Axis(NamedTuple):
@@ -88,8 +91,10 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
     places = math.prod(len(set(study.values_of(name))) for name in names)
     signed = study.cases == places and study.block_of(names[0]) is not study.block_of(names[1])
     fits, symbols = study.fits_of(study.figure), terms_of(cases)
-    sizes = {(fit, s): Sizes(0.01 * within) for fit in fits for s in symbols if s in fit.identified}
-    errors = _errors(cases, dict(zip(names, (x, y), strict=True)), sizes, signed)
+    keys = [(fit, symbol) for fit in fits for symbol in symbols if symbol in fit.identified]
+    columns = {(fit, s): f"{s}_relative_error__{fit.label}" for fit, s in keys}
+    sizes = {key: Sizes(column_of(cases, name), 0.01 * within) for key, name in columns.items()}
+    errors = _errors(cases, dict(zip(names, (x, y), strict=True)), columns, signed)
     worst: dict[str, float] = {}
     for (fit, _), of in sizes.items():
         largest = 100.0 * of.largest if of.known else math.inf
@@ -151,37 +156,29 @@ def error_map(study: Study, cases: CasesLike) -> Figure:
 
 
 def _errors(
-    cases: CasesLike,
-    axes: Mapping[str, _Axis],
-    sizes: Mapping[tuple[Estimator, str], Sizes],
-    single: bool,
-) -> dict[tuple[Estimator, str], Array]:
-    """Return the map of each fit and term, %, (bins of y, bins of x), NaN where it is unknown; counted a stretch of
-    cases at a time, also into `sizes`.   axes : x and y, by name.   single : whether each place is one case."""
-    x, y = axes.values()
-    shape, depth = (len(y.centres), len(x.centres)), 1 if single else _BINS
-    errors = {key: f"{key[1]}_relative_error__{key[0].label}" for key in sizes}
-    counts = {key: np.zeros(math.prod(shape) * depth) for key in errors}
-    for values in stretches(cases, [*axes, *errors.values()]):
-        i, j = (
-            np.clip(
-                np.searchsorted(axis.edges, axis.of.factor * values[name], "right") - 1,
-                0,
-                len(axis.centres) - 1,
-            )
-            for name, axis in axes.items()
-        )
-        bins = j * shape[1] + i
-        for key, name in errors.items():
-            sizes[key].add(values[name])
-            if single:
-                counts[key][bins] = 100.0 * values[name]
-                continue
-            places = places_of(values[name], _LOWEST_BIN, _BINS_PER_DECADE, _BINS)
-            counts[key] += np.bincount(bins * _BINS + places, minlength=counts[key].size)
-    if single:
-        return {key: values.reshape(shape) for key, values in counts.items()}
-    return {key: _quantiles(values.reshape(*shape, _BINS)) for key, values in counts.items()}
+    cases: CasesLike, axes: Mapping[str, _Axis], columns: Mapping[_Key, str], single: bool
+) -> dict[_Key, Array]:
+    """Return the map of each fit and term, %, (bins of y, bins of x), NaN where it is unknown.
+
+    axes : x and y, by name.   columns : of the errors.   single : whether each place is one case.
+    """
+    i, j = (
+        np.digitize(axis.of.factor * column_of(cases, name), axis.edges[1:-1])
+        for name, axis in axes.items()
+    )
+    width, height = (len(axis.centres) for axis in axes.values())
+    bins, maps = j * width + i, {}
+    for key, name in columns.items():
+        errors = column_of(cases, name)
+        if single:
+            values = np.empty(height * width)
+            values[bins] = 100.0 * errors
+        else:
+            places = places_of(errors, _LOWEST_BIN, _BINS_PER_DECADE, _BINS)
+            counts = np.bincount(bins * _BINS + places, minlength=height * width * _BINS)
+            values = _quantiles(counts.reshape(-1, _BINS).astype(np.float64))
+        maps[key] = values.reshape(height, width)
+    return maps
 
 
 def _quantiles(counts: Array) -> Array:

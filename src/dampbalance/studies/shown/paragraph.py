@@ -29,8 +29,7 @@ CHOICES = {"approach", "phase", "sharing", "contact", "weights", "terms", "fit"}
 
 @dataclass(frozen=True)
 class ErrorsOfCases:
-    """Relative errors of one coefficient, by a fit or by the worst of several, in the cases that `at` and `between`
-    leave.
+    """Relative errors of one coefficient in selected cases, by a fit or by the worst of several.
 
     spec : coefficient (of), keys that select the fits, and conditions on the axes (at, between).
     """

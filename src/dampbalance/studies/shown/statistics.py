@@ -1,4 +1,4 @@
-"""Statistics of errors: counted a stretch of cases at a time, or over many runs with what their number leaves open."""
+"""Statistics of errors: their sizes over all cases, or over many runs, with the uncertainty from their number."""
 
 from __future__ import annotations
 
@@ -28,25 +28,18 @@ _NO_VALUES: Array = np.empty(0)
 
 
 class Sizes:
-    """Sizes of errors, added a stretch at a time: how many there are, their extremes and quantiles."""
+    """Sizes of errors: how many there are, their extremes and quantiles. Missing errors count as cases only."""
 
-    def __init__(self, within: float) -> None:
-        self.cases = self.known = self.within = 0
-        self.smallest, self.largest = np.inf, -np.inf
-        self._bound = within
-        self._counts = np.zeros((_HIGHEST - _LOWEST) * _PER_DECADE, dtype=np.int64)
-
-    def add(self, errors: Array) -> None:
-        """Add the errors of a stretch; missing ones count as cases only."""
+    def __init__(self, errors: Array, within: float) -> None:
         size = np.abs(errors)
         size = size[np.isfinite(size)]
-        self.cases += len(errors)
-        self.known += len(size)
-        self.within += int(np.count_nonzero(size <= self._bound))
-        self.smallest = float(size.min(initial=self.smallest))
-        self.largest = float(size.max(initial=self.largest))
-        bins = places_of(size, _LOWEST, _PER_DECADE, len(self._counts))
-        self._counts += np.bincount(bins, minlength=len(self._counts))
+        self.cases, self.known = len(errors), len(size)
+        self.within = int(np.count_nonzero(size <= within))
+        self.smallest = float(size.min(initial=np.inf))
+        self.largest = float(size.max(initial=-np.inf))
+        count = (_HIGHEST - _LOWEST) * _PER_DECADE
+        bins = places_of(size, _LOWEST, _PER_DECADE, count)
+        self._reached = np.cumsum(np.bincount(bins, minlength=count))
 
     @property
     def share(self) -> float:
@@ -57,7 +50,7 @@ class Sizes:
         """Return the size that this share of the finite errors does not exceed, to 0.06 %; NaN without one."""
         if not self.known:
             return math.nan
-        reached = int(np.searchsorted(np.cumsum(self._counts), max(1.0, share * self.known)))
+        reached = int(np.searchsorted(self._reached, max(1.0, share * self.known)))
         middle = 10.0 ** (_LOWEST + (reached + 0.5) / _PER_DECADE)
         return float(min(max(middle, self.smallest), self.largest))
 
@@ -173,7 +166,7 @@ def share_interval(count: int, runs: int) -> tuple[float, float]:
 
 
 def bounds_of(study: Study, cases: Integers) -> dict[str, float]:
-    """Return least relative standard error, by term, that an unbiased estimate from the records of a case can have.
+    """Return the smallest relative standard error of an unbiased estimate from the records of a case, by term.
 
     cases : numbers of cases that differ only by their noise (the axis `run`). The Cramér–Rao bound takes m, k and the
     drive frequency as known and K_z as unknown. NaN where the records are not noisy ones, the cases differ in more,

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from ...project.wording import in_markdown, listed, markdown_table, percent, signed_percent
-from ..case_files import stretches, terms_of
+from ..case_files import column_of, terms_of
 from ..study_file import EQUAL, LIKELIHOOD, RIGID, Estimator, Study
 from .statistics import Sizes, bounds_of, groups, spread_of
 
@@ -36,9 +36,8 @@ def _overall_records(cases: str | Path, study: Study) -> Iterator[dict[str, Any]
     for fit in study.fits:
         for quantity in (symbol for symbol in terms if symbol in fit.identified):
             # a column at a time: a file may have hundreds
-            name, sizes = f"{quantity}_relative_error__{fit.label}", Sizes(WITHIN)
-            for stretch in stretches(cases, [name]):
-                sizes.add(stretch[name])
+            errors = column_of(cases, f"{quantity}_relative_error__{fit.label}")
+            sizes = Sizes(errors, WITHIN)
             yield _which(quantity, fit) | {
                 "cases": sizes.cases,
                 "identified": sizes.known,
