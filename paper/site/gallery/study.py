@@ -62,5 +62,5 @@ plt.show()
 both.to_frame().iloc[:3, :6]
 
 # %% [markdown]
-# **To try:** add `levels_m=[0.002, 0.004]` to a study. What do fewer and smaller levels cost? A study with a figure and a
-# text, or one that is larger than memory, is a file of a few lines: see *Studies*.
+# **To try:** add `levels_m=[0.002, 0.004]` to a study. What do fewer and smaller levels cost? A study with a figure
+# and a text, or one that is larger than memory, is a file of a few lines: see *Studies*.
