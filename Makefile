@@ -67,7 +67,7 @@ export PYTHONNOUSERSITE = 1
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: all setup test lint unit check night docs archive dist wheels verify compare bench engine processors mutants blind format lock clean distclean help stale
+.PHONY: all setup test lint unit check night docs archive dist wheels verify compare bench engine processors mutants blind sizes format lock clean distclean help stale
 
 all: $(READY) ## Set up the environment, then rebuild tables, figures and claims (the default)
 	@$(SNAKEMAKE)
@@ -145,6 +145,9 @@ mutants: setup ## Put errors into the package and see whether its tests notice (
 
 blind: setup ## Identify records of other make whose truth is known (choose with BLIND_ARGS="efficiency --drawings 50")
 	@$(TRIAL) blind $(BLIND_ARGS)
+
+sizes: $(READY) ## Count the lines of code into CONTRIBUTING.md (MEASURE=1: time make, make test and a rebuild, too)
+	@$(TRIAL) sizes $(if $(MEASURE),--measure)
 
 format: setup ## Format the sources
 	@$(RUN) ruff check --fix .

@@ -222,8 +222,8 @@ pd.DataFrame(
 ).set_index("Y (mm)")
 
 # %% [markdown]
-# Keep the last column in mind. At the highest level friction takes six per cent of the energy. Whoever mistakes $W$
-# by one per cent there mistakes what friction takes by a sixth.
+# Keep the last column in mind. At the highest level friction takes six per cent of the energy: an error of one per
+# cent in $W$ is there an error of a sixth in the work of friction.
 #
 # The other approaches take the motion for harmonic, $x = X \cos(\omega t - \varphi)$. Then $b = \pi\omega X^2$, $W =
 # \pi k Y X \sin\varphi$, and the distance slid follows from whichever mark of the slip onset was read: $a = 2(X -
@@ -351,9 +351,9 @@ blame(features_above.with_common("phi", "t_s"))
 
 # %% [markdown]
 # The distance slid is right to the last digit: between two reversals the mass slides from $X_s$ to $X$, whatever the
-# shape of its motion. The blame is on $W = \pi k Y X \sin\varphi$: too small at the lowest level, too large at the
-# highest. Friction takes a small share of $W$, so an error of a few per cent there is a large one for what friction
-# takes.
+# shape of its motion. The error is in $W = \pi k Y X \sin\varphi$: too small at the lowest level, too large at the
+# highest. Friction takes a small share of $W$, so that an error of a few per cent in $W$ is a large one in the work
+# of friction.
 #
 # ## Three causes
 #
@@ -390,8 +390,8 @@ pd.DataFrame(
 )
 
 # %% [markdown]
-# Near resonance the sine is at its maximum, and forgives both. Below it the two are of one size; above it the spread
-# is by far the larger.
+# Near resonance the sine is at its maximum, and forgives both. Below it the two are similar in size; above it the
+# spread is by far the larger.
 #
 # ## Mend it, one thing at a time
 #
@@ -441,12 +441,12 @@ pd.DataFrame(
 )
 
 # %% [markdown]
-# Read it by columns, from (d) on: there only the third cause is left, which at resonance is all of the error. At 3.5 Hz
-# it is +4 %, from where the wrong phase, (a), shifts $F_k$ nearly as far as both other causes together; and so does the
-# sharing, (c): the effects do not add. At 11.1 Hz the sharing costs most: with it, the better phase of (c) helps
-# nothing; without it, (a), the paper's own least squares, does far better. Only when both go, in (d), is the method
-# back within a few per cent. The zero crossing, (b), lies between: it is shifted, too, but less. The Fourier balance,
-# (e), mends the third cause as well, with no more effort at the bench.
+# Read it by columns, beginning with (d), where only the third cause is left. At resonance it is all of the error, and
+# at 3.5 Hz it is +4 %. From there the wrong phase alone, (a), and the common phase alone, (c), each shift $F_k$
+# nearly as far as both together: the effects do not add. At 11.1 Hz the common phase costs most: (c) is no better for
+# its correct phase, and (a), the paper's own least squares, does far better. Only (d), without both, is back within a
+# few per cent. The zero crossing, (b), lies between, because it is shifted less. The Fourier balance, (e), corrects
+# the third cause as well, with no more effort at the bench.
 #
 # It is not a matter of three lucky frequencies:
 
@@ -507,9 +507,9 @@ measured
 #
 # What you need to go on is in `measured`: `values`, `intervals`, `covariance`, the `rows` of the balance,
 # `to_frame()` for all numbers. `identify` takes your files as well, in any format, or tables of pandas, or arrays:
-# `identify(["level1.csv", "level2.csv"], stiffness=2310)`. Here are the rows, and what they leave:
+# `identify(["level1.csv", "level2.csv"], stiffness=2310)`. Here are the rows and their residuals:
 
-# %% alt="Rows of the balance on a straight line of slope F_k; what each leaves, over its standard deviation."
+# %% alt="Rows of the balance on a straight line of slope F_k; the residual of each over its standard deviation."
 axes = measured.plot("balance")
 
 # %% [markdown]
@@ -529,7 +529,7 @@ print(f"a grows by {longer.min():.2%} to {longer.max():.2%}")
 identified(rigid, ("X_s",))
 
 # %% [markdown] tags=["outcome"]
-# It becomes *better*: a longer $a$ lowers $F_k$, and the harmonic $W$ had raised it. Two errors that meet are no
+# It becomes *better*: a longer $a$ lowers $F_k$, and the harmonic $W$ had raised it. Two errors that cancel are no
 # merit of the method. Try it at 3.5 Hz, where they add up.
 
 # %% [markdown]
@@ -542,8 +542,8 @@ print(f"X + X_s = {1e6 * (soft_features.X + soft_features.X_s)[0]:.1f} µm")
 identified(soft_features, (*PAPER, "fourier"), soft)
 
 # %% [markdown] tags=["outcome"]
-# The line is ten times longer and easily read. Now the time and the velocity of the slip onset suffer a little more
-# than its place, because they enter $a$ through a harmonic motion, and the place does not.
+# The line is ten times longer and easily read. Now the approaches by the time and the velocity of the slip onset
+# suffer a little more than that by its displacement, because they need a harmonic motion to obtain $a$.
 
 # %% [markdown]
 # **3. Shake too gently.** What if the base moves by 0.7 mm only? And by 0.5 mm? Which features are left, and what
@@ -561,7 +561,8 @@ identified(with_gentle)
 
 # %% [markdown] tags=["outcome"]
 # At 0.5 mm the base pulls with $kY = 1.16$ N, less than $F_k$: the contact never lets go, there is no $X_s$ to read,
-# and the harmonic approaches leave that level out. Direct integration keeps it: with $a = 0$ it still tells of $c$.
+# and the harmonic approaches leave that level out. Direct integration keeps it: with $a = 0$ it still contributes to
+# $c$.
 
 # %% [markdown]
 # **4. Two levels are enough?** Two equations give two unknowns. Are all pairs of levels equally good when every $W$
@@ -584,9 +585,9 @@ for name, deviation in scatter.items():
 
 # %% [markdown] tags=["outcome"]
 # Levels far apart are best, and neighbours at the top are worst: there friction takes the least, and two lines that
-# are almost parallel meet anywhere. The least squares over all five levels are *worse* than the pair 1-5. They weigh
-# each level by its $W$ and so listen most to the highest ones, which know the least about friction. Divide each row
-# by its $W$ first, and see.
+# are almost parallel meet anywhere. The least squares over all five levels are *worse* than the pair 1-5. They weight
+# each level by its $W$, and so mostly the highest ones, which contain the least information about friction. Divide
+# each row by its $W$ first, and see.
 
 # %% [markdown]
 # **5. The amplitude.** In (d) the phase is right, and the peak $X$ still stands where the amplitude $X_1$ of the
@@ -608,8 +609,8 @@ pd.DataFrame(
 )
 
 # %% [markdown] tags=["outcome"]
-# The first step makes things worse: $X$ was wrong in $W$ and in $b$, and the two errors met. Both steps together
-# leave about one per cent at most. The rest is in $b$, which needs the third harmonic and the fifth.
+# The first step makes things worse: $X$ was wrong in $W$ and in $b$, and the two errors cancelled. Both steps
+# together leave about one per cent at most. The rest is in $b$, which needs the third harmonic and the fifth.
 
 # %% [markdown]
 # ## Where to go from here

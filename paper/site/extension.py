@@ -270,7 +270,7 @@ def _within(node: nodes.Node, kinds: tuple[type[nodes.Node], ...]) -> bool:
 
 _SIGNATURE = re.compile(r'<dt class="sig\b.*?</dt>', re.DOTALL)
 _PART = re.compile(r"<(/?)(d[ld])>")
-_EMPTY_HEAD = re.compile(r'<th class="head[^"]*">(?:<p></p>)?</th>')
+_EMPTY_HEAD = re.compile(r'<th(?: class="head[^"]*")?>(?:<p></p>)?</th>')
 
 
 def _for_all_readers(

@@ -88,7 +88,7 @@ def test_the_same_records_give_the_same_bytes(demo, tmp_path):
 
 
 def test_the_table_of_faults_in_the_documentation_is_that_of_the_example():
-    text = (ROOT / "config/records/README.md").read_text(encoding="utf-8")
+    text = (ROOT / "paper/site/explain/uncertainty.md").read_text(encoding="utf-8")
     table = re.search(r"<!-- sensitivities: .*? -->\n(.*?)<!-- end -->", text, re.DOTALL)[1]
     rows = [[cell.strip() for cell in row.split("|")[1:5]] for row in table.splitlines()[2:]]
     told = identify(RECORDS, 2310.0).document()["sensitivities"].values()

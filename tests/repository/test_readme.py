@@ -27,13 +27,15 @@ from dampbalance.studies.reading_study import read_study
 from folders import ROOT
 from paper_case import FREQUENCIES_HZ, PAPER, orbits_at
 from replication.routes import CASE, PRINT, approaches, judged, nothing
+from rooms import PACKAGE
+from sizes import ROW, rewritten
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 CITATION = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
 RESULTS = (ROOT / "results/README.md").read_text(encoding="utf-8")
 STUDIES = (ROOT / "config/studies/README.md").read_text(encoding="utf-8")
 GALLERY = (ROOT / "paper/site/studies.md").read_text(encoding="utf-8")
-LIBRARY = (ROOT / "paper/site/start/oscillators.md").read_text(encoding="utf-8")
 
 
 def test_the_verdicts_are_those_on_record():
@@ -131,7 +133,7 @@ def test_the_examples_run(tmp_path, monkeypatch):
         (tmp_path / file.name).write_bytes(file.read_bytes())
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    for code in re.findall(r"```python\n(.*?)```", README + LIBRARY, re.DOTALL):
+    for code in re.findall(r"```python\n(.*?)```", README + STUDIES, re.DOTALL):
         exec(code, names)
     low, high = names["found"].intervals["F_k"]
     assert low < PAPER.F_k < high
@@ -142,10 +144,26 @@ def test_the_examples_run(tmp_path, monkeypatch):
     assert "fourier__least_squares" in repr(names["studied"])
 
 
-def test_every_file_it_links_to_is_there():
-    for folder, text in ((ROOT, README), (ROOT / "results", RESULTS)):
-        for target in re.findall(r"\]\(([^)#]+)[^)]*\)", text):
-            assert (folder / target).exists(), target
+def test_every_file_that_a_page_links_to_is_there():
+    folders = "config", "examples", "tests", "trials", "paper/published"
+    pages = [page for folder in folders for page in (ROOT / folder).rglob("*.md")]
+    for page in (*ROOT.glob("*.md"), ROOT / "results/README.md", *pages):
+        for target in re.findall(r"\]\((?!https?:)([^)#\s]+)[^)]*\)", page.read_text("utf-8")):
+            assert (page.parent / target).exists(), (page, target)
+
+
+def test_the_sizes_are_those_of_the_code():
+    """Within 2 % and 20 lines, so that few changes need `make sizes`; every room has a row."""
+    shown, counted = (
+        {name: size for _, name, size in ROW.findall(text.partition("<!-- sizes")[2])}
+        for text in (CONTRIBUTING, rewritten(CONTRIBUTING, {}))
+    )
+    rooms = {f"{path.parent.name}/" for path in PACKAGE.glob("*/__init__.py")}
+    assert rooms <= shown.keys()
+    for name, size in counted.items():
+        if re.fullmatch(r"[\d,]+", size):
+            lines, old = (int(text.replace(",", "")) for text in (size, shown[name]))
+            assert abs(lines - old) <= 0.02 * lines + 20, f"{name}: make sizes"
 
 
 # ---- Docstrings -----------------------------------------------------------------------------------------------------

@@ -149,9 +149,9 @@ def test_a_table_of_a_stepped_sine_is_a_set(checkout):
 
 
 def test_a_set_that_fails_stands_with_its_error_beside_the_others_until_it_is_left_out(checkout):
-    """The example of several sets in the README of records, with a set before them whose record is broken."""
-    text = (ROOT / "config/records/README.md").read_text(encoding="utf-8")
-    text = text[text.index("### Several sets at once") :]
+    """The example of several sets in the README of configurations, with a set before them whose record is broken."""
+    text = (ROOT / "config/README.md").read_text(encoding="utf-8")
+    text = text[text.index("## Measured records") :]
     with chdir(checkout.folder):
         for line in re.findall(r"^dampbalance (.+)", text, re.MULTILINE)[:4]:
             assert main(line.split()) == 0

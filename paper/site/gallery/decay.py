@@ -66,4 +66,4 @@ plt.show()
 # %% [markdown]
 # The straight end of the envelope is friction, its curved beginning is c. Where the mass sticks, the fit ends.
 #
-# **To try:** set `F_k=0.05` above. From which friction force on is there none to be seen?
+# **To try:** set `F_k=0.05` above. Below which friction force does it become invisible?

@@ -14,8 +14,7 @@
 # # Forced records in a notebook
 #
 # A mass on a spring was shaken at five levels. How much of its damping is friction? The records here are
-# simulated, with
-# 1 % of noise, so that the right answer is known; put your own files in their place by
+# simulated, with 1 % of noise, so that the right answer is known; put your own files in their place by
 # `records = read_records(["level1.csv", …])`.
 
 # %%
@@ -73,9 +72,9 @@ found.plot("cycles")
 plt.show()
 
 # %% [markdown]
-# ## Does one line hold all levels?
+# ## Do all levels lie on one line?
 #
-# Each level is a point. The slope of the line is F_k, its intercept is c; on the right is what each level leaves.
+# Each level is a point. The slope of the line is F_k, its intercept is c; on the right are the residuals.
 
 # %% alt="Left, points of five levels on a straight line; right, residuals about zero."
 found.plot("balance")

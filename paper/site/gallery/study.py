@@ -44,8 +44,8 @@ frequency
 # ## How stiff the contact may be
 #
 # Errors over the stiffness of the contact and the damping ratio, as a map. Without a `route` the responses are exact:
-# what is left are the errors of the approach itself, and thousands of cases take a second. Each number of a case is in
-# `to_frame()`.
+# the errors are those of the approach itself, and thousands of cases take a second. `to_frame()` has all numbers of
+# each case.
 
 # %% alt="A map of the largest error over contact stiffness and damping ratio."
 both = study(
@@ -62,6 +62,5 @@ plt.show()
 both.to_frame().iloc[:3, :6]
 
 # %% [markdown]
-# **To try:** add `levels_m=[0.002, 0.004]` to a study. What do fewer and smaller levels cost? A study that is
-# to be kept,
-# with a figure and a text, or that is larger than memory, is a file of a few lines: see *How to make a study*.
+# **To try:** add `levels_m=[0.002, 0.004]` to a study. What do fewer and smaller levels cost? A study with a figure
+# and a text, or one that is larger than memory, is a file of a few lines: see *Studies*.
