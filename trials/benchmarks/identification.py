@@ -18,13 +18,13 @@ import numpy as np
 import pandas as pd
 
 from dampbalance import BaseMotion, steady_orbit
+from dampbalance.arrays import Array
 from dampbalance.figures.style import FAINT, SLIP, STICK, page, place, save, styled
 from dampbalance.fit.steady_search import fit_records
 from dampbalance.identification.forced import identify_readings
 from dampbalance.project.files import write_csv, write_text
 from dampbalance.records.record import Record
 from dampbalance.records.synthetic import measured_orbit
-from dampbalance.replication.record import SimulatedRecord
 from dampbalance.signals.mean_harmonics import read_features
 from paper_case import LEVELS, OMEGA
 
@@ -86,10 +86,10 @@ def measurements(samples: int) -> list[Record]:
     ]
 
 
-def record(measurement: Record) -> SimulatedRecord:
-    """Return the same samples as the reference fit takes them."""
+def _signals(measurement: Record) -> list[Array]:
+    """Return t, y and x."""
     y, x = measurement["base_displacement"], measurement["displacement"]
-    return SimulatedRecord(t=y.t, y=y.values, x=x.values)
+    return [y.t, y.values, x.values]
 
 
 def contestants(samples: int) -> list[Contestant]:
@@ -133,7 +133,7 @@ def start_up(samples: int, repetitions: int) -> tuple[pd.DataFrame, pd.DataFrame
     being compiled already; and of the import, columns package, seconds, by `python -X importtime`."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "levels.npy"
-        np.save(file, [[r.t, r.y, r.x] for r in map(record, measurements(samples))])
+        np.save(file, [_signals(measurement) for measurement in measurements(samples)])
         arguments = [str(file), str(PAPER.k)]
         # the first process also reads the files into memory and compiles what is not compiled
         told = _process(_FIRST_CALL, arguments, "-X", "importtime").stderr
