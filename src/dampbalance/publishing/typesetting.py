@@ -1,4 +1,4 @@
-"""Templates of pages, and what they set: symbols and units as HTML (`project/wording.py` has plain characters)."""
+"""Templates of pages, and their filters: symbols and units as HTML (`project/wording.py` has plain characters)."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # t
 def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> jinja2.Environment:
     """Return the templates of this room, or those of another loader.
 
-    An undefined name is an error, and a line with a statement only leaves no trace.   html : whether what they insert
-    is escaped; Markdown comes from files of the project and numbers only.
+    An undefined name is an error, and a line that holds only a statement leaves no blank line.
+
+    html : whether inserted text is escaped. In Markdown it is not: that holds texts of the project and numbers only.
     """
     return jinja2.Environment(
         loader=loader or jinja2.PackageLoader(__package__),
