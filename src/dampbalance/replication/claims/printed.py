@@ -158,9 +158,8 @@ class Published:
 
     def column(self, quantity: str, kind: str = "level", approach: str = "") -> list[Row]:
         """Return what is printed of a quantity: a column of a table, in the order of its lines, or a single number."""
-        of = {"quantity": quantity, "kind": kind, "approach": approach}
-        rows = (row for row in self.rows.values() if self.ids[row.key] == row.id)
-        return [row for row in rows if row.key._replace(**of) == row.key]
+        rows = (row for row in self.rows.values() if row.key[1:4] == (quantity, approach, kind))
+        return [row for row in rows if self.ids[row.key] == row.id]
 
     def values(self, quantity: str, kind: str = "level", approach: str = "") -> Array:
         """Return the numbers of a `column`."""
