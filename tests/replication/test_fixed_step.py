@@ -78,11 +78,6 @@ def test_steady_motion_has_the_declared_order_dissipation_and_bias(scheme, osc, 
     assert abs(declared) > 0.1 or not SCHEMES[scheme].dissipation
 
 
-def test_backward_euler_at_the_papers_step_acts_like_90_0116():
-    bias = bias_of("backward-euler", RESONANCE.omega, PAPER.omega_n, 5e-6)
-    assert 90.0 + bias == pytest.approx(90.0116, abs=5e-5)  # half a unit of the last digit
-
-
 @pytest.mark.parametrize("scheme", ["trapezoidal", "rk4", "semi-implicit-euler"])
 def test_late_events_cost_an_error_of_second_order_at_most(scheme):
     exact = steady_orbit(PAPER, RESONANCE)
