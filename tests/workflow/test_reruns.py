@@ -221,7 +221,7 @@ def test_each_key_of_a_study_reruns_what_follows_from_it(studied, name, key, tmp
 
 @pytest.fixture(scope="module")
 def own(tmp_path_factory):
-    """The small case with two studies, made with the package of its own folder: (project, made, after, clean)."""
+    """The small case with one of its studies, made with the package of a project of its own."""
     top = tmp_path_factory.mktemp("own")
     project = small_case(top / "project", DAILY).folder
     made = Checkout(top / "made", project)

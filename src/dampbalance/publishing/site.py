@@ -63,8 +63,8 @@ def build_site(root: str | Path, target: str | Path) -> None:
         shutil.copytree(stage / "made", target)
 
 
-def _run(*arguments: str, folder: Path) -> str:
-    """Return what a program of this Python prints. Raises SiteError where it fails."""
+def _run(*arguments: str, folder: Path) -> None:
+    """Run a program of this Python. Raises SiteError with its output where it fails."""
     bin_folder = str(Path(sys.executable).parent)
     done = subprocess.run(
         [sys.executable, *arguments],
@@ -82,4 +82,3 @@ def _run(*arguments: str, folder: Path) -> str:
     )
     if done.returncode:
         raise SiteError(f"the site was not built:\n{done.stderr or done.stdout}")
-    return done.stdout

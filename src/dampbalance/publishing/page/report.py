@@ -202,8 +202,15 @@ def _figure(name: str, svg: str) -> dict[str, Any]:
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
-    """Return templates with the filters that they use; an undefined name is an error."""
-    environment = typesetting.templates(jinja2.PackageLoader(__package__), html=True)
+    """Return the templates with their filters; an undefined name is an error."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(__package__),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
     compact = {"ensure_ascii": False, "allow_nan": False, "separators": (",", ":")}
     environment.policies["json.dumps_kwargs"] = compact
     environment.filters |= {
