@@ -48,7 +48,7 @@ include: "workflow/rules/provenance.smk"
 onsuccess:
     if config["published"] and compared_at() != COMPARED_BEFORE:
         summary = SUMMARY.read_text(encoding="utf-8")
-        # The summary's first paragraph says how the verdicts fare; the rest is for a reader of the file.
+        # The summary's first paragraph states whether verdicts changed; the rest is for a reader of the file.
         print(summary.partition("\n\n")[0])
         if WORSE in summary:
             print(f"All of them: {SUMMARY}; why: {rules.claims.output.md}")
@@ -56,7 +56,7 @@ onsuccess:
 
 
 onerror:
-    # A job that was killed leaves a temporary file. No other job of this run is alive.
+    # A killed job leaves a temporary file. No other job of this run is still alive.
     for folder in (RESULTS, STUDY_RESULTS):
         remove_unfinished(folder)
     if MEASURED:

@@ -24,8 +24,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 
 _PACKAGE = Path(__file__).parent
 _OTHERS = (
-    *("arguments", "arrays", "jit", "model", "law/contact", "records/equal_steps"),
-    *("fit/climb", "fit/parameters"),
+    *("arguments", "arrays", "jit", "model", "law/contact", "fit/climb", "fit/parameters"),
     *(f"replication/{name}" for name in ("fixed_step", "record", "sampled")),
 )
 _LOCK = threading.RLock()

@@ -251,8 +251,6 @@ def test_a_response_with_several_reversals_has_no_single_onset():
 def test_records_that_cannot_be_read_are_refused():
     record = sampled(orbit(), 1000.0)
     for one, omega, reading, message in (
-        (replace(record, v=None), OMEGA, "interpolated", "the record has no velocity"),
-        (replace(record, acceleration=None), OMEGA, "interpolated", "has no acceleration"),
         (sampled(orbit(), 1000.0, cycles=0.9), OMEGA, "interpolated", "no whole cycle"),
         (replace(record, y=0.0 * record.y), OMEGA, "interpolated", "y has no fundamental"),
         (record, OMEGA, "by eye", "reading must be one of"),

@@ -28,8 +28,8 @@ RANKS = list(VERDICTS)
 
 _FOLLOWS = {
     "refuted": ("table1", "table2", "text"),
-    "by_table_2": ("table2",),
-    "by_table_3": ("table1", "table3", "text"),
+    "table_2": ("table2",),
+    "table_3": ("table1", "table3", "text"),
     "misfits": (),  # depends on Tables 1 and 3, and serves causes only
 }
 """Cached property of `Sources` → parts of the paper whose printed numbers it depends on."""

@@ -115,12 +115,6 @@ def test_what_cannot_be_identified_is_left_empty(changed, F_k_missing, c_missing
     assert "nan" not in approaches_markdown(table, "Title")
 
 
-def test_the_page_has_the_errors_of_a_line_side_by_side(table):
-    lines = approaches_markdown(table, "Title").splitlines()
-    (line, *_) = [of for of in lines if of.startswith("| X_s | zero crossing | common |")]
-    assert "| −17.3 % | 3.11 % |" in line
-
-
 # ---- The table of numbers -------------------------------------------------------------------------------------------
 
 

@@ -1,5 +1,5 @@
 # The replication article: the numbers that no other result holds, its figures, and the PDF, which reads every number from
-# the result files itself. It exists where there are printed numbers to compare with.
+# the result files itself. Only a case with printed numbers to compare with has one.
 
 ARTICLE_STUDIES = (
     "frequency level contact_stiffness damping read_out step_size rigid_contact map".split()

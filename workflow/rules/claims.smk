@@ -99,7 +99,7 @@ rule claims:
         "../scripts/claims/claims.py"
 
 
-# Never fails, so that everything else is built: the run fails at its end (onsuccess in the Snakefile).
+# This job never fails, so that everything else is built; the run fails at its end instead (onsuccess in the Snakefile).
 rule check:
     input:
         claims=rules.claims.output.csv,

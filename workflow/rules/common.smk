@@ -24,7 +24,7 @@ except ImportError as error:
         f"{error}: the environment lacks a package of this project. Run 'make', or activate .venv ('. .venv/bin/activate')."
     ) from None
 
-# Snakemake starts scripts by a line for the shell, which the path of its Python enters as it is: with a blank in it, in two words.
+# Snakemake puts the path of its Python unquoted into the command line that starts a script: a blank would divide it.
 if Path(sys.executable).exists():
     sys.executable = shlex.quote(sys.executable)
 
@@ -40,7 +40,7 @@ BASE_CONFIG = project_file("config/config.yaml")
 OVERRIDING = list(workflow.overwrite_configfiles)
 CONFIG_FILES = [BASE_CONFIG, *OVERRIDING]
 
-# Another workflow that uses this one as a module hands over only keys that differ from the paper's case, maybe in no file.
+# Another workflow that uses this one as a module passes only the keys that differ from the paper's case, perhaps in no file.
 other = Path(workflow.main_snakefile).resolve()
 if other not in (ROOT / "Snakefile", ROOT / "workflow/Snakefile"):
     # Merged like a file of the command line, whose keys come first.
@@ -64,7 +64,7 @@ CASE = Case.from_config(config)
 FREQUENCIES = list(CASE.frequencies_hz)
 RESULTS = f"results/{CASE.name}"
 FIRST = 10  # priority of jobs for the paper's tables and verdicts: these are seen before the studies are computed
-NEXT = 5  # priority of studies and inputs of article and page: jobs that nothing waits for fill the gaps
+NEXT = 5  # priority of studies and of inputs of article and page; jobs that nothing waits for come last
 
 
 def of_case(*fields):

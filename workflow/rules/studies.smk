@@ -4,8 +4,8 @@
 # snakemake --cores all studies                                 all studies
 # snakemake --cores all results/studies/frequency/summary.md    one
 #
-# One job computes, draws and tells a study. A large one is computed in chunks, a job each: an interrupted one goes on with the
-# chunks that are missing, and a new title computes no case again.
+# One job computes, draws and describes a study. A large one is computed in chunks, a job each: after an interruption only the
+# missing chunks are computed, and a new title recomputes no case.
 import re
 from importlib.metadata import version
 
@@ -52,17 +52,17 @@ STUDY_PLANS = {}
 for name, file in STUDY_FILES.items():
     try:
         STUDY_PLANS[name] = study_plan(name, file)
-    except ConfigurationError as error:  # it stops nothing but its study, which no rule makes
+    except ConfigurationError as error:  # only this study is affected: no rule makes it
         logger.warning(str(error))
 
-# Made by several jobs: what has chunks, and what is not drawn.
+# Studies made by several jobs: those with chunks, and those without a figure.
 IN_PARTS = [
     name for name, (study, size, _) in STUDY_PLANS.items() if size.chunks > 1 or not study.figure
 ]
 
 
 def study_chunks(wildcards):
-    """Return the chunks of a study in their order, and tell its size; none where one job computes all cases."""
+    """Return the chunks of a study in their order, none if one job computes all cases, and log its size."""
     name, (_, size, _) = wildcards.study, STUDY_PLANS[wildcards.study]
     logger.info(f"Study {name}: {size}")
     chunks = range(size.chunks if size.chunks > 1 else 0)
@@ -74,15 +74,15 @@ wildcard_constraints:
     chunk="[0-9]+",
 
 
-# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, `make docs` has it kept for other clones. Rules that may be have no benchmark.
+# Expensive and pure: with SNAKEMAKE_OUTPUT_CACHE, `make docs` caches it for other clones. Such rules can have no benchmark.
 rule study_chunk:
     input:
         code=STUDY_ROOMS,
     output:
         chunk=temp(f"{STUDY_RESULTS}/{{study}}/chunks/{{chunk}}.parquet"),
     priority: NEXT
-    # 0.5 GB for the script, whatever the size of the chunk, 0.6 GB for the Snakemakes that start it on a cluster, half as
-    # much again to be safe; more at a retry. Measured: config/studies/CLUSTER.md.
+    # 0.5 GB for the script, whatever the size of the chunk, 0.6 GB for the Snakemakes that start it on a cluster, and half of
+    # the sum in reserve; more at a retry. Measured: config/studies/CLUSTER.md.
     resources:
         mem_mb=lambda wildcards, attempt: 1650 * attempt,
         runtime=30,

@@ -1,5 +1,5 @@
-# The paper's tables: printed, as published and exact side by side; the other frequencies get tables of their own. And one that
-# the paper lacks: the error of every approach at every frequency.
+# The paper's tables: printed, as published and exact side by side, and likewise at the other frequencies. One more, which the
+# paper lacks, has the error of every approach at every frequency.
 
 TABLES = ["table1", "table2", "table3", "statistics"]
 

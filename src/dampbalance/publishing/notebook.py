@@ -32,10 +32,8 @@ class NotebookError(RuntimeError):
     """A notebook cannot be run; the message names the cell and the problem."""
 
 
-def run_notebook(source: str | Path, timeout: int = 300) -> NotebookNode:
+def run_notebook(source: str | Path) -> NotebookNode:
     """Return the notebook of a percent script, executed from top to bottom in a separate kernel.
-
-    source : the script.   timeout : seconds that one cell may take.
 
     Raises NotebookError naming the cell that fails, with its error.
     """
@@ -46,7 +44,7 @@ def run_notebook(source: str | Path, timeout: int = 300) -> NotebookNode:
     with tempfile.TemporaryDirectory(prefix="nb-") as folder:
         client = NotebookClient(
             notebook,
-            timeout=timeout,
+            timeout=300,  # s, of a cell
             kernel_name="python3",
             record_timing=False,
             shutdown_kernel="immediate",  # all outputs are here by then

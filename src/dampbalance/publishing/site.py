@@ -1,8 +1,8 @@
 """Build the site of documentation by Sphinx: pages and settings are in paper/site.
 
-Pages include texts of the project, take up its results, and show what commands print. Sphinx runs in a separate
-process, on a copy of the pages, next to which commands write; any warning that it gives is an error. The same project
-gives the same bytes in any folder.
+Pages include texts and results of the project, and show what commands print. Sphinx runs in a separate process, on a
+copy of the pages, next to which commands write; any warning that it gives is an error. The same project gives the same
+bytes in any folder.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ REPORT_PAGE, TOUR = "results/paper/report.html", "results/paper/notebook/tour.ip
 GALLERY = "gallery"
 """The folder of pages that are notebooks, written as scripts and run here."""
 PREPARED = ("case", "joint", "symptoms", "decay", "pendulum", "example")
-"""Folders in which pages run commands. What paper/site has of them is there; its lab.py writes the records."""
+"""Folders in which pages run commands. One that paper/site has is copied, and its lab.py writes the records."""
 
 _LOCAL_LINK = re.compile(r"""(?<=<a)([^>]*?)\shref="(?![a-z]+:|#)[^"]*"(?=[^>]*>)""")
 
@@ -63,8 +63,8 @@ def build_site(root: str | Path, target: str | Path) -> None:
         shutil.copytree(stage / "made", target)
 
 
-def _run(*arguments: str, folder: Path) -> str:
-    """Return what a program of this Python prints. Raises SiteError where it fails."""
+def _run(*arguments: str, folder: Path) -> None:
+    """Run a program of this Python. Raises SiteError with its output where it fails."""
     bin_folder = str(Path(sys.executable).parent)
     done = subprocess.run(
         [sys.executable, *arguments],
@@ -82,4 +82,3 @@ def _run(*arguments: str, folder: Path) -> str:
     )
     if done.returncode:
         raise SiteError(f"the site was not built:\n{done.stderr or done.stdout}")
-    return done.stdout

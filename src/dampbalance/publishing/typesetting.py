@@ -1,10 +1,9 @@
-"""Templates of pages, and what they set: symbols and units as HTML (`project/wording.py` has plain characters)."""
+"""Symbols and units as HTML, filters for the templates of pages (`project/wording.py` has plain characters)."""
 
 from __future__ import annotations
 
 import re
 
-import jinja2
 from markupsafe import Markup, escape
 
 from ..project.wording import in_html
@@ -15,22 +14,6 @@ _FROM_LOWERED = str.maketrans("₀₁₂₃₄₅₆₇₈₉", "0123456789")
 _OF_QUANTITY = re.compile(r"(?<![\w’'])([b-zB-Z]|a(?=:))(?![\w’'])")
 _OF_REASON = re.compile(r"(?<![\w’'.])([bcWXYk])(?![\w’'])")
 _UNIT = re.compile(r"(?<=\d) (?=(?:%|N|Hz|mm|µm|m|ms|µs|s|rad)(?:\W|$))")  # the space before a unit
-
-
-def templates(loader: jinja2.BaseLoader | None = None, html: bool = False) -> jinja2.Environment:
-    """Return the templates of this room, or those of another loader.
-
-    An undefined name is an error, and a line with a statement only leaves no trace.   html : whether what they insert
-    is escaped; Markdown comes from files of the project and numbers only.
-    """
-    return jinja2.Environment(
-        loader=loader or jinja2.PackageLoader(__package__),
-        autoescape=html,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
 
 
 def rich_markup(text: str) -> Markup:

@@ -1,17 +1,17 @@
 """The route by which the authors obtained their numbers, as far as the printed digits show it.
 
     simulate_levels   the equation of motion divided by m, its coefficients rounded, by a scheme of fixed step
-    read_levels       a, b and W at the samples, all else between them, then as it was written down (`ReadOut`)
+    read_levels       a, b and W at the samples, everything else between them, then read as for the paper (`ReadOut`)
     estimates         Table 3 with the slip of sign in its V_s columns
     scheme_table      the integrals of Table 2 by every other scheme and way of rounding, and by the exact solver with
                       the damping of the simulation put in by hand: W and b follow from it, whatever causes it
-    trial_table       a in many cycles, by the simulation and its rivals: what decides between them is whether the
-                      printed a of all levels belong to one sampling instant
+    trial_table       a in many cycles, by the simulation and its rivals: only for the right one do the printed a of
+                      all levels belong to one sampling instant
 
 Scheme, step, cycle, decimals and rules of reading come from the configuration. They were chosen with the printed digits
-in view (`config/README.md` says which by which); no printed number itself is read here. The printed features are not
-all rounded values of their simulation; some carry the mark of how they were read. Each rule of reading is stated
-without reference to any printed number, and each can be left out.
+in view (`config/README.md` says which by which); no printed number itself is read here. Not all printed features are
+rounded values of the simulation: some show how they were read. Each rule of reading is stated without reference to any
+printed number, and each can be left out.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def simulate_levels(
 def features_of(
     records: Sequence[SimulatedRecord], case: Case, frequency: str, reading: ReadAt
 ) -> Features:
-    """Read features off the records of all levels, in full digits; those of an unreadable record state why."""
+    """Read features off the records of all levels, in full digits; the regime of an unreadable record says why."""
     omega, k = case.omega(frequency), case.oscillator.k
     features = []
     for level, record in enumerate(records):
@@ -155,10 +155,10 @@ def estimates(tabulated: Features, two_point: Features, case: Case) -> pd.DataFr
 
 
 _CYCLES = 12
-"""Steady cycles in which a is read: a period is no whole number of steps, so that each samples the motion elsewhere."""
+"""Steady cycles in which a is read: a period is not a whole number of steps, so that each has other samples."""
 
 _C_DECIMALS = 4
-"""Decimals, N s/m, of a damping put in by hand: those with which c is printed, so that a reader can put in the same."""
+"""Decimals of a damping coefficient entered by hand, N s/m: those of the printed c, for a reader to enter the same."""
 
 _UNROUNDED: dict[str, tuple[str, ...]] = {
     "rounded": (),
@@ -182,9 +182,10 @@ def damping_by_hand(case: Case, frequency: str) -> float:
 def _read_cycles(
     records: Sequence[SimulatedRecord], case: Case, frequency: str, cycle: int, between: bool
 ) -> list[Cycle]:
-    """Read a steady cycle of each record, without the harmonics, which take most of the time of `features_of`.
+    """Read one steady cycle of each record, without the harmonics, which take most of the time of `features_of`.
 
-    cycle : how many periods before the last whole cycle of the records.   between : read events between samples.
+    cycle : how many periods before the last whole cycle of the records.
+    between : whether events are located between samples.
     """
     omega, k = case.omega(frequency), case.oscillator.k
     read = []
@@ -192,10 +193,9 @@ def _read_cycles(
         period = 2.0 * math.pi / (omega * case.numerics.step_s)  # steps in a period
         end = len(record) - round(cycle * period)
         kept = slice(max(end - math.ceil(CYCLES_TO_READ * period) - 1, 0), end)
-        time, *signals = record.signals().values()
-        cut = np.stack([signal[kept] for signal in signals])
+        cut, t0 = np.ascontiguousarray(record.signals[:, kept]), float(record.t[kept.start])
         after = case.numerics.after_slip(level)
-        read.append(read_cycle(cut, float(time[kept.start]), record.dt, omega, k, between, after))
+        read.append(read_cycle(cut, t0, record.dt, omega, k, between, after))
     return read
 
 
@@ -217,7 +217,7 @@ def scheme_table(case: Case, frequency: str) -> pd.DataFrame:
 
     def add(scheme: str, coefficients: str, read: Features) -> None:
         estimate = least_squares(direct(read, k))
-        which = {"scheme": scheme, "coefficients": coefficients, "level": _levels(read)}
+        which = {"scheme": scheme, "coefficients": coefficients, "level": range(1, len(read) + 1)}
         numbers = {"a_m": read.a, "b_m2_per_s": read.b, "W_J": read.W}
         tables.append(which | numbers | {t.column: float(estimate[s]) for s, t in TERMS.items()})
 
@@ -269,7 +269,7 @@ def cycle_table(case: Case, frequency: str, count: int = _CYCLES) -> pd.DataFram
 _OTHER_STEPS = (0.4, 0.6, 0.8, 1.2, 1.4, 1.6, 1.8, 2.0, 2.4)
 """Other steps of the trapezoidal rule, multiples of the configured one (Runge–Kutta gives the same to 1e-4 steps)."""
 _OTHER_DAMPING = (-5e-4, -4e-4, -3e-4, -2e-4, -1e-4, 1e-4)
-"""Other damping put in by hand, less `damping_by_hand`, N s/m: around that with which the instants agree best."""
+"""Further damping entered by hand, N s/m above `damping_by_hand`: around that with which the instants agree best."""
 _STEPS_OF_W = {"c_over_m": 1.003, "exact": 0.986}
 """Way of rounding → the step at which W agrees as well (`step_from_W` of the article), a multiple of the configured."""
 
@@ -278,7 +278,7 @@ def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
     """Yield every rival of the as-published simulation, as (name of the trial, case).
 
     rounding_c_over_m, rounding_exact : the coefficients rounded in another way.
-    step_of_W_c_over_m, step_of_W_exact : likewise, with the step that makes up for it in W.
+    step_of_W_c_over_m, step_of_W_exact : likewise, with the step that compensates for it in W.
     by_hand : schemes that add no damping, with c `damping_by_hand`.
     other_steps, other_damping : the trapezoidal rule with other steps, and with other c.
     by_hand_unrounded : the trapezoidal rule with c `damping_by_hand` and all digits of k/m.
@@ -314,7 +314,7 @@ def trials(case: Case, frequency: str) -> Iterator[tuple[str, Case]]:
 
 
 def _stiffer(case: Case, frequency: str) -> Case:
-    """Return the case with the stiffness cω²h/2 that backward Euler adds, and the drive kY as it was."""
+    """Return the case with the stiffness cω²h/2 that backward Euler adds, and the same drive kY."""
     osc, h = case.oscillator, case.numerics.step_s
     k = osc.k + 0.5 * osc.c * case.omega(frequency) ** 2 * h
     levels = tuple(Y * osc.k / k for Y in case.levels_m)
@@ -328,7 +328,7 @@ def trial_table(case: Case, frequency: str) -> pd.DataFrame:
     """
     tables: list[dict[Any, Any]] = []
     for trial, rival in (("as_published", case), *trials(case, frequency)):
-        # three cycles of a rival show that their instants do not hang on the cycle
+        # three cycles of a rival show that its instants do not depend on the cycle
         count = _CYCLES if trial == "as_published" else 3
         which = {
             "trial": trial,
@@ -339,10 +339,6 @@ def trial_table(case: Case, frequency: str) -> pd.DataFrame:
         }
         tables.append(which | dict(cycle_table(rival, frequency, count).items()))
     return _stacked(tables)
-
-
-def _levels(features: Features) -> range:
-    return range(1, len(features) + 1)
 
 
 def _stacked(tables: Sequence[Mapping[str, Any]]) -> pd.DataFrame:

@@ -7,8 +7,8 @@ At a reversal, where v = 0, it does not break.
 Two ways to read an event:
 
     "sample"        the first sample at or after the event: what one picks off a listing
-    "interpolated"  between samples: the phase that ends at the event is continued, by the cubic through its last four
-                    accelerations, up to v = 0, or up to where the next phase, continued backwards, meets it
+    "interpolated"  between samples: the phase that ends at the event is extrapolated, by the cubic through its last
+                    four accelerations, to v = 0, or to its intersection with the next phase, extrapolated backwards
 
 The interpolated reading of an exact record converges to the exact features: see `tests/method/test_features.py`. The
 second difference of a noisy acceleration is useless: `mean_harmonics.py` reads noisy records.
@@ -53,6 +53,7 @@ def of_record(
 ) -> Features:
     """Return features of one steady response, read off a clean record of y, x, v and acceleration.
 
+    Choose "interpolated" for the features of the motion itself, and "sample" to reproduce values picked off a listing.
     The cycle read is the first whole one that begins with a forward reversal (v from − to +, at x = −X).
 
         X          half the distance from the reversal t_1 to the next, t_2
@@ -67,19 +68,15 @@ def of_record(
     omega : drive frequency, rad/s.   k : stiffness, N/m, for W.   slip_samples : of the "sample" reading only.
 
     Without a slip onset (nothing slips, nothing sticks, or the velocity reverses more often than twice a cycle)
-    X_s … t_r and a are NaN and the regime says why. Raises ValueError for a record without v or acceleration, without a
-    whole cycle from reversal to reversal, or without base motion at ω.
+    X_s … t_r and a are NaN and the regime says why. Raises ValueError for a record without a whole cycle from reversal
+    to reversal, or without base motion at ω.
     """
     one_of("reading", reading, get_args(ReadAt))
-    for name, signal in (("velocity", record.v), ("acceleration", record.acceleration)):
-        if signal is None:
-            raise ValueError(f"this reader needs v and acceleration, but the record has no {name}")
     if not omega > 0.0:
         raise ValueError(f"omega must be positive, got {omega!r} rad/s")
-    _, *signals = record.signals().values()
     t0, dt, between = float(record.t[0]), record.dt, reading == "interpolated"
     per_cycle = 2.0 * math.pi / (omega * dt)
-    cycle = read_cycle(np.stack(signals), t0, dt, omega, k, between, slip_samples)
+    cycle = read_cycle(record.signals, t0, dt, omega, k, between, slip_samples)
     if cycle.trouble == NO_CYCLE:
         raise ValueError(
             "the record holds no whole cycle from one forward velocity reversal to the next; "

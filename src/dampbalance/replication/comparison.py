@@ -1,10 +1,10 @@
 """The errors of F_k and c by every approach, at every frequency, for each definition of the phase.
 
 The paper compares its approaches at resonance, with one definition of the phase. This table adds what each approach
-gives off resonance, where the harmonic ones fail for three reasons: the phase of the velocity reversal stands for that
-of the fundamental, one phase for those of all levels (in the pairs; the paper's least squares takes each level's own),
-and the peak X for the amplitude X_1. `cause_shifts` says what each costs, `mends` what helps. Its features are exact,
-so that each error is that of the approach.
+gives off resonance, where the harmonic ones fail for three reasons: they use the phase of the velocity reversal in
+place of that of the fundamental, one phase for all levels (in the pairs; the paper's least squares takes each level's
+own), and the peak X in place of the amplitude X_1. `cause_shifts` gives the effect of each, `mends` the remedies. The
+features are exact, so that each error is that of the approach.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ RECIPES = {
     "fundamental": "each level’s phase of the fundamental",
     "fourier": "Fourier balance",
 }
-"""A way of WAYS → in words: the paper's two, then each mend."""
+"""A way of WAYS_TO_COMPARE → in words: the paper's two, then each remedy."""
 
 CAUSES = {"which": "reversal", "shared": "shared", "both": "mean"}
-"""A wrong phase → the way of WAYS that takes it: which phase, one phase for all levels, and both."""
+"""A wrong phase → the way of WAYS_TO_COMPARE that uses it: which phase, one phase for all levels, and both."""
 
 
 def approaches_table(numbers: Numbers, frequencies_hz: Mapping[str, float]) -> pd.DataFrame:
@@ -105,11 +105,11 @@ def approaches_markdown(table: pd.DataFrame, title: str) -> str:
 def cause_shifts(
     approaches: pd.DataFrame, frequencies: Iterable[str]
 ) -> dict[str, dict[str, float]]:
-    """Tabulate what each cause of failure does to F_k by X_s and least squares at each frequency, in percentage points.
+    """Tabulate the effect of each cause of failure on F_k by X_s and least squares, in percentage points, by frequency.
 
-    peak : the error, %, with the phase of the fundamental of each level: X stands for X_1, and nothing else is wrong.
-    which : the shift from there by the phase of the reversal, of each level.   shared : by one phase for all levels, of
-    the fundamental.   both : by one phase of the reversal. Effects of causes do not add.
+    peak : the error, %, with each level's phase of the fundamental: X in place of X_1 is then the only fault.
+    which : the shift from there by each level's phase of the reversal.   shared : by one phase of the fundamental for
+    all levels.   both : by one phase of the reversal for all levels. The effects do not add up.
 
     approaches : the table of `approaches_table`.
     """
@@ -167,12 +167,15 @@ def _side_by_side(table: pd.DataFrame, column: str) -> str:
     for key, rows in table.groupby(list(WAY), sort=False):
         errors = rows.set_index("frequency")[columns].reindex(list(frequencies)).to_numpy().ravel()
         words = (str(word).replace("_", " ") or "–" for word in key[1:])
-        cells.append([str(key[0]), *words, *map(_signed, errors)])
+        cells.append([str(key[0]), *words, *map(error_text, errors)])
     return markdown_table(["approach", "phase", "φ, t_s", *heads], cells, "lll" + "r" * len(heads))
 
 
-def _signed(error: float) -> str:
-    """Return an error given in %, with its sign if it is negative; a bound where it is nothing but rounding."""
+def error_text(error: float, plus: str = "") -> str:
+    """Return an error given in % as text, with its sign; a bound without a sign where it is nothing but rounding.
+
+    plus : the sign of a positive one.
+    """
     if abs(error) < 1e-6:
         return f"≤ {percent(0.01 * error)}"
-    return signed_percent(0.01 * error, plus="")
+    return signed_percent(0.01 * error, plus=plus)

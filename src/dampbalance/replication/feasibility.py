@@ -1,4 +1,4 @@
-"""Checks whether a configuration can be simulated, those that need the mechanics, made before anything runs."""
+"""Checks, before anything runs, whether a configuration can be simulated: those that need the mechanics."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from .clean import CYCLES_TO_READ
 from .fixed_step import MIN_STICK_SAMPLES, MOST_STEPS, largest_growth
 
 MOST_SAMPLES_KEPT = 5_000_000
-"""Samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has 0.9 million at its lowest."""
+"""Most samples kept of all levels at one frequency, 0.5 GB of memory; the paper's case has up to 0.9 million."""
 
 FEWEST_PER_CYCLE = 100
 """Steps in a period below which neither a reversal nor a slip onset is resolved."""
 
 
 def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
-    """Look at what a case asks for, and then at every exact orbit.   files : the configuration's, to say where a key
-    stands.
+    """Check the numbers of a case, then each of its exact orbits.
+
+    files : of the configuration, so that a message can name the line of a key.
 
     Returns a notice for each response without slip: it has no slip features, and is left out of the estimates.
     Raises ConfigurationError for numbers outside of RANGES, more steps than can be simulated, a step that is too coarse
@@ -58,7 +59,7 @@ def check_feasible(case: Case, files: Iterable[str | Path]) -> list[str]:
 
 
 def _out_of_range(case: Case) -> Iterator[Problem]:
-    """Yield where the numbers leave the space in which the exact solution is known to hold."""
+    """Yield the numbers that are outside the ranges in which the exact solution is known to hold."""
     osc = case.oscillator
     ratios = [case.omega(name) / osc.omega_n for name in case.frequencies_hz]
     K_z: tuple[str, ...] = ("oscillator", "K_z_N_per_m")
@@ -79,7 +80,7 @@ def _out_of_range(case: Case) -> Iterator[Problem]:
 
 
 def _wrong_steps(case: Case) -> Iterator[Problem]:
-    """Yield where the fixed-step simulation would take too long, or fail."""
+    """Yield the settings with which the fixed-step simulation would take too long, or fail."""
     numerics, osc, levels = case.numerics, case.oscillator, len(case.levels_m)
     step = ("as_published", "step_s")
     coarsest = 1.0 / (max(case.frequencies_hz.values()) * FEWEST_PER_CYCLE)

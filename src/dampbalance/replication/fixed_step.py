@@ -1,26 +1,28 @@
 """Fixed-step simulation, as one would have written it in 2010: stick or slip is decided at step ends.
 
-While the contact sticks or slips the oscillator is linear, so every scheme is a linear map from one step to the next,
+While the contact sticks, and while it slips, the oscillator is linear, and every scheme is a linear map from one step
+to the next,
 
     u' = A u + (0, p),   u = (x, v),   A = [[0, 1], [−K, −C]],
 
-with C = c/m, K = k/m in slip and (k + K_z)/m in stick, p the force per mass. After each step the contact is looked at:
+with C = c/m, K = k/m in slip and (k + K_z)/m in stick, p the force per mass. After each step the contact is checked:
 
     slip   and v has changed sign     → stick from here on, X_t = x, the spring starting at ±Z_m        (3)
     stick  and |K_z z| > F_k          → slip from here on, in the direction of z                         (1)
 
-An event is thus seen up to one step late, which makes the contact force wrong by O(h) for a time h: an error of O(h²)
-in the motion, whatever the scheme. With stick and slip Runge–Kutta 4, too, is of second order, and its error depends on
-where the sampling grid happens to fall.
+An event is thus detected up to one step late, which makes the contact force wrong by O(h) for a time h: an error of
+O(h²) in the motion, whatever the scheme. With stick and slip, Runge–Kutta 4 is therefore of second order, too, and its
+error depends on where the samples fall.
 
 Numerical dissipation. To first order in h a scheme solves, instead of the given problem, one with
 
     c → c + d m ω² h          d = +1 backward Euler, −1 explicit Euler, 0 otherwise
 
-in steady motion at ω: backward Euler damps, explicit Euler feeds. The three Euler schemes also return the velocity of
-half a step earlier (backward, semi-implicit) or later (explicit), because they advance x by h v with only one of the
-two velocities of a step. The energy balance of their samples, W = b c, then shows c + `Scheme.balance_bias`: near
-resonance the same d m ω² h. `tests/replication/test_fixed_step.py` measures all of this, and the orders.
+in steady motion at ω: backward Euler adds damping, explicit Euler takes it away. The three Euler schemes also return
+the velocity of half a step earlier (backward, semi-implicit) or later (explicit), because they advance x by h v with
+only one of the two velocities of a step. A velocity that is `lag` steps old is partly in phase with the forces of
+spring and inertia, so that the balance of the samples, W = b c, shows c + m h [d ω² − lag (ω² − ω_n²)]: near resonance
+again c + d m ω² h. `tests/replication/test_fixed_step.py` measures all of this, and the orders.
 """
 
 from __future__ import annotations
@@ -40,12 +42,12 @@ from .record import SimulatedRecord
 MIN_STICK_SAMPLES = 20
 """Fewest samples of a stick phase that reaches from −Z_m to +Z_m.
 
-x leaves the reversal as t², so the last of N steps stretches the spring by up to 2 Z_m (2N − 1)/N² ≈ 4 Z_m/N: with 20
-samples the force overshoots F_k by up to a fifth, for one step, and t_s is read to 5 %.
+x departs from the reversal as t², so the last of N steps stretches the spring by up to 2 Z_m (2N − 1)/N² ≈ 4 Z_m/N:
+with 20 samples the force overshoots F_k by up to a fifth, for one step, and t_s is accurate to 5 %.
 """
 
 MOST_STEPS = 100_000_000
-"""Steps of all levels at one frequency, seconds of computing; the paper's case has 7 million at its lowest one."""
+"""Most steps of all levels at one frequency, which take seconds; the paper's case has 7 million at its lowest one."""
 
 _MOST_SAMPLES = 5e7
 
@@ -56,36 +58,23 @@ class StepTooCoarse(ValueError):
 
 @dataclass(frozen=True)
 class Scheme:
-    """A fixed-step scheme and what it does to a smooth solution.
+    """A fixed-step scheme.
 
-    code : what `one_step` calls it.   order : of its error at a fixed time, error ∝ h^order.
-    dissipation : d above, the damping c + d m ω² h that its steady motion has.
-    velocity_lag : how many steps the velocity it returns is older than the displacement.
+    code : its number in `one_step`.   dissipation : d above, of the damping c + d m ω² h that its steady motion has.
     """
 
     code: int
-    order: int
     dissipation: float = 0.0
-    velocity_lag: float = 0.0
-
-    def balance_bias(self, osc: Oscillator, omega: float, h: float) -> float:
-        """Return the excess of W/b over c, N s/m, of the sampled x, v of a linear steady motion, to first order in h.
-
-        W/b = ∮ky v/∮v² = c + m h [d ω² − lag (ω² − ω_n²)]: damping of the scheme, and the part of the velocity that
-        its lag turns into phase with the spring and inertia forces. omega : rad/s.   h : s.
-        """
-        lagging = self.velocity_lag * (omega**2 - osc.omega_n**2)
-        return osc.m * h * (self.dissipation * omega**2 - lagging)
 
 
 _BACKWARD, _TRAPEZOIDAL, _SEMI_IMPLICIT, _RK4, _EXPLICIT = range(5)
 
 SCHEMES: dict[str, Scheme] = {
-    "backward-euler": Scheme(_BACKWARD, order=1, dissipation=+1.0, velocity_lag=+0.5),
-    "trapezoidal": Scheme(_TRAPEZOIDAL, order=2),
-    "semi-implicit-euler": Scheme(_SEMI_IMPLICIT, order=1, velocity_lag=+0.5),
-    "rk4": Scheme(_RK4, order=4),
-    "explicit-euler": Scheme(_EXPLICIT, order=1, dissipation=-1.0, velocity_lag=-0.5),
+    "backward-euler": Scheme(_BACKWARD, dissipation=+1.0),
+    "trapezoidal": Scheme(_TRAPEZOIDAL),
+    "semi-implicit-euler": Scheme(_SEMI_IMPLICIT),
+    "rk4": Scheme(_RK4),
+    "explicit-euler": Scheme(_EXPLICIT, dissipation=-1.0),
 }
 
 
@@ -131,14 +120,17 @@ def simulate(
     k_over_m: float | None = None,
     stick_samples: int = MIN_STICK_SAMPLES,
 ) -> SimulatedRecord:
-    """Return the response from rest, by a fixed-step scheme: t, y, x, v and acceleration of the last `keep_cycles`
-    cycles.
+    """Return the response from rest, computed by a fixed-step scheme: the samples of the last `keep_cycles` cycles.
 
+    Use it to reproduce a published simulation with its numerical errors; `steady_orbit` gives the exact steady motion.
     At t = 0 the mass is at rest at x = 0, the contact relaxed and sticking, the base at its peak (y = Y cos ωt).
     Sample n is at t = n · step. The acceleration is that of Eqs. (1), (2) at the sample, with the law of the step that
-    ended there: at the sample where slip is seen the contact force still is K_z z, a little above F_k.
+    ended there: at the sample where slip is detected, the contact force is still K_z z, a little above F_k.
 
-    scheme : a key of SCHEMES.   step : s.   cycles, keep_cycles : periods of the base motion, not necessarily whole.
+    osc, motion : the oscillator, and the motion of its base.
+    scheme : a key of SCHEMES; backward Euler is the one behind the printed tables.
+    step : s.
+    cycles, keep_cycles : periods of the base motion, not necessarily whole.
     c_over_m, k_over_m : coefficients c/m (1/s) and k/m (1/s²) in place of the exact quotients, for an equation of
     motion that was divided by m and rounded; F_k/m, K_z/m and Z_m stay exact.
     stick_samples : fewest samples that a stick phase must have.
@@ -185,7 +177,7 @@ def simulate(
 def largest_growth(
     scheme: str, step: float, c_over_m: float, k_over_m: float, contact_over_m: float = 0.0
 ) -> float:
-    """Return the growth of a free oscillation in a step of a scheme, the spectral radius of its map; 1 if it decays.
+    """Return the factor by which a free oscillation grows in a step, the spectral radius of its map; 1 if it decays.
 
     step : s.   c_over_m : 1/s.   k_over_m, contact_over_m : k/m and, in stick, K_z/m, 1/s².
     """
@@ -230,11 +222,12 @@ def _after(x: float, v: float, contact: _Contact, Z_m: float) -> _Contact:
 
 @jit
 def march(code: int, par: Parameters, h: float, first: int, out: Array) -> int:
-    """Step an oscillator of unit mass from rest: the number of samples of the shortest stick phase.
+    """Step an oscillator of unit mass from rest and return the number of samples of its shortest stick phase.
+
+    A stick phase counts if it begins among the kept samples and ends with the spring stretched the other way. The
+    number returned is MIN_STICK_SAMPLES at most.
 
     code : of the scheme.   h : step, s.   out (4, n) : receives y, x, ẋ, ẍ at the samples from `first` on.
-    A stick phase counts when it begins among the kept samples and ends on the other side of the spring; without one
-    that is shorter the number is MIN_STICK_SAMPLES.
     """
     Z_m, drive = par.F_k / par.K_z, par.k * par.Y
     slip = _linear_map(code, par.c, par.k, h)

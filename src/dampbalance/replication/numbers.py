@@ -95,6 +95,16 @@ UNITS = {**dict(QUANTITIES.values()), **PARAMETERS, "omega": "Hz", "omega_n": "H
 """Quantity → its unit."""
 
 
+def key_of(
+    frequency: str, quantity: str, approach: str = "", kind: str = "level", line: str = "all"
+) -> Key:
+    """Return the key of a number as the paper has it: φ and t_s are individual in least squares, otherwise common."""
+    sharing = "individual" if kind == "least_squares" else "common"
+    own = sharing if approach and takes_phase(approach) else ""
+    unit = "%" if kind == "largest" else UNITS[quantity]
+    return Key(frequency, quantity, approach, kind, "", own, line, unit)
+
+
 def of_case(case: Case) -> dict[Key, float]:
     """Return the parameters of a case, and what follows from them."""
     osc = case.oscillator
@@ -134,7 +144,7 @@ def of_estimates(frequency: str, frame: pd.DataFrame) -> dict[Key, float]:
     """
     numbers = {}
     for line in frame.to_dict("records"):
-        sharing = _sharing(line["approach"], line["phase"])
+        sharing = line["phase"] if takes_phase(line["approach"]) else ""
         way = Key(frequency, "", line["approach"], line["kind"], "", sharing, line["pair"])
         for column in (column for column in line if column in QUANTITIES):
             symbol, unit = QUANTITIES[str(column)]
@@ -248,8 +258,3 @@ def features_of(numbers: Numbers, route: str, frequency: str, omega: float) -> F
         if (key.frequency, key.kind) == (frequency, "level") and key.quantity in FEATURE_COLUMNS:
             values.setdefault(key.quantity, []).append(row[route])
     return of_numbers(omega, "", **values)
-
-
-def _sharing(approach: str, phase: str) -> str:
-    """Return the sharing of φ and t_s behind a line of a table of estimates, by its columns."""
-    return phase if takes_phase(approach) else ""

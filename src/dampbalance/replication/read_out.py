@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Array
 from ..features import Features
 
-# A reading is divided by its unit in binary: what lies this close to a whole number of units is that number.
+# Division by the unit leaves a rounding error: a quotient this close to a whole number counts as whole.
 _WHOLE = 1e-9
 
 
@@ -26,7 +26,7 @@ class ReadOut:
     the first mark beyond the corner, taken off the X that was read. (With marks of 1 µm, 12.3 µm read 13 µm.)
     t_s_inset : s, taken off t_s: timed from the first sample inside the microstick phase to the last one inside it, the
     phase is shorter than from reversal to slip, by one step at each end.
-    t_s_unit : s. t_s in whole units that fit, as on a display that drops what follows (with 0.1 ms, 2.98 reads 2.9).
+    t_s_unit : s. t_s is cut off to whole units, as on a display that drops digits (with 0.1 ms, 2.98 reads 2.9).
     common_phi_decimals, common_t_s_decimals : decimals of the means that stand for φ (rad), t_s (s) in Eqs. (16)–(19).
 
     The reverse-slip readings X_r, V_r, t_r follow the rules of X_s, V_s, t_s. Raises ValueError naming the rule.

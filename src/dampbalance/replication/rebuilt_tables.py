@@ -12,7 +12,6 @@ from collections.abc import Iterable, Iterator
 
 import pandas as pd
 
-from ..balance import takes_phase
 from ..project.wording import label_with_unit, markdown_table
 from .claims.verdicts import VERDICTS
 from .numbers import (
@@ -21,9 +20,8 @@ from .numbers import (
     PRINTED_APPROACHES,
     TABLE_1,
     TABLE_2,
-    UNITS,
-    Key,
     Numbers,
+    key_of,
 )
 
 COLUMNS = ("row", "quantity", "unit", "printed", "as_published", "exact", "verdict")
@@ -64,14 +62,12 @@ def paper_tables(numbers: Numbers, frequency: str) -> dict[str, pd.DataFrame]:
     def cells(
         kind: str, row: str, symbols: Iterable[str], approach: str = "", line: str = "all"
     ) -> Iterator[dict[str, object]]:
-        of_each = "individual" if kind == "least_squares" else "common"
-        sharing = of_each if approach and takes_phase(approach) else ""
         for symbol in symbols:
-            key = Key(frequency, symbol, approach, kind, "", sharing, line, UNITS[symbol])
+            key = key_of(frequency, symbol, approach, kind, line)
             found = numbers.get(key, {})
             yield {
                 "row": row,
-                "quantity": f"{symbol} by {approach}" if kind == "pair" and sharing else symbol,
+                "quantity": f"{symbol} by {approach}" if kind == "pair" and key.sharing else symbol,
                 "unit": key.unit,
                 **{column: found.get(column, "") for column in ("printed", "verdict")},
                 **{route: found.get(route, math.nan) for route in SHOWN_ROUTES},
@@ -81,7 +77,7 @@ def paper_tables(numbers: Numbers, frequency: str) -> dict[str, pd.DataFrame]:
 
     def of_levels(symbols: Iterable[str]) -> Iterator[dict[str, object]]:
         for level in levels:
-            Y = numbers[Key(frequency, "Y", kind="level", line=level, unit="m")]["exact"]
+            Y = numbers[key_of(frequency, "Y", line=level)]["exact"]
             yield from cells("level", f"{1e3 * Y:g} mm", symbols, line=level)
 
     def of_pairs(approaches: Iterable[str]) -> Iterator[dict[str, object]]:

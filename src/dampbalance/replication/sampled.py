@@ -1,8 +1,8 @@
 """One cycle of a sampled motion: its reversals, slip onsets and energy terms, read off x, v and acceleration.
 
-At slip onset the slope of the acceleration breaks; at a reversal it does not. An event is the first sample at or after
-it, or lies between samples: the phase that ends there is continued, by the cubic through its last four accelerations,
-up to v = 0, or up to where the next phase, continued backwards, meets it. `replication/clean.py` says more.
+The slope of the acceleration breaks at slip onset, and not at a reversal. An event is taken at the first sample at or
+after it, or located between samples: the phase that ends there is extrapolated, by the cubic through its last four
+accelerations, to v = 0, or to its intersection with the next phase, extrapolated backwards. `clean.py` says more.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ _Quartic = tuple[float, float, float, float, float]
 
 
 class Cycle(NamedTuple):
-    """Readings of one cycle, names and units as in `Features`; NaN where it was not reached.
+    """Features of one cycle, names and units as in `Features`; NaN for those that could not be read.
 
-    trouble : 0, or why no slip onset was read.   how_many : of what the reason counts.
+    trouble : 0, or the reason why no slip onset was read.   how_many : the count that this reason states.
     start : place of the reversal at −X, counted in samples.
-    phi, phi_zero_crossing : of the reversal and of the upward zero of x, against cos ωt.
+    phi, phi_zero_crossing : lag of the reversal and of the upward zero of x behind cos ωt, rad.
     """
 
     trouble: int
@@ -70,10 +70,10 @@ class _Instant(NamedTuple):
 def read_cycle(
     signals: Array, t0: float, dt: float, omega: float, k: float, between: bool, slip_samples: int
 ) -> Cycle:
-    """Return the first whole cycle of a record that begins with a forward reversal.
+    """Return the features of the first whole cycle of a record that begins with a forward reversal.
 
-    signals : y, x, v and acceleration, (4, n).   t0 : time of the first sample, s.   dt : step, s.   between : whether
-    events are read between samples.
+    signals : y, x, v and acceleration, (4, n).   t0 : time of the first sample, s.   dt : step, s.
+    between : whether events are located between samples.   slip_samples : how many samples after slip onset a begins.
     """
     y, x, v, acceleration = signals[0], signals[1], signals[2], signals[3]
     nan = math.nan
@@ -148,7 +148,7 @@ def _reversal(
 def _onset(
     x: Array, v: Array, acceleration: Array, dt: float, n_reversal: int, n_next: int, between: bool
 ) -> tuple[int, int, _Instant]:
-    """Return (trouble, how many, slip onset) between two reversals: where the slope of the acceleration breaks."""
+    """Return (trouble, its count, slip onset) between two reversals: where the slope of the acceleration breaks."""
     first = n_reversal + 1
     nowhere = _Instant(math.nan, math.nan, math.nan)
     bend = np.empty(max(n_next - first - 1, 0))
@@ -165,12 +165,12 @@ def _onset(
             small += 1
     if 2 * small <= bend.size:  # the median is too large
         return NO_CORNER, 0, nowhere
-    # fewer than three stick samples give no line to meet the corner
+    # fewer than three samples in stick cannot be extrapolated to the corner
     if corner - first < 3 or n_next - corner < _SIDE:
         return SHORT_STICK, corner - first, nowhere
     if not between:
         return 0, 0, _Instant(float(corner), x[corner], v[corner])
-    # The corner sample may belong to either phase, and in a simulation overshoots: neither cubic uses it.
+    # The corner sample may belong to either phase, and in a simulation it overshoots: neither cubic uses it.
     n = corner - 1
     stick_first = max(first, n - _SIDE + 1)
     stick = _shifted(_through(acceleration, stick_first, n), float(n - stick_first))
@@ -205,7 +205,7 @@ def _through(signal: NDArray[Any], first: int, last: int) -> _Cubic:
 
 @jit
 def _shifted(cubic: _Cubic, g: float) -> _Cubic:
-    """Return the coefficients of a cubic in the steps since a place g steps later."""
+    """Return the coefficients of a cubic whose origin is moved g steps later."""
     c0, c1, c2, c3 = cubic
     return (
         c0 + g * (c1 + g * (c2 + g * c3)),
@@ -230,8 +230,7 @@ def _mean(p: _Quartic) -> _Quartic:
 
 @jit
 def _root(p: _Quartic, near: float) -> float:
-    """Return the root of a polynomial to which Newton's method leads from `near`, if it lies within two steps; else
-    `near`."""
+    """Return the root that Newton's method finds from `near`, if it lies within two steps; else `near`."""
     _, p1, p2, p3, p4 = p
     t, step = near, 1.0
     for _ in range(50):

@@ -1,6 +1,6 @@
-"""Compute the numbers that the article argues with and no other result contains, each from the tables of results.
+"""Numbers that the article uses and no other result contains, computed from the tables of results.
 
-Each is a row of derived.csv, next to the table of numbers: an id, a value, its unit. Article and page look the id up.
+Each is a row of derived.csv: an id, a value, and its unit. Article and page look numbers up by their ids.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def derived_numbers(
         **starts(cycles, case),
         **largest_errors(numbers),
     }
-    # of the printed a from the rebuilt one, in samples of the instant at which slip is detected
+    # deviation of the printed a from the rebuilt one, in samples by which the detection of slip would be shifted
     per_sample = 2.0 * rebuilt[first].V_s * case.numerics.step_s
     off = (_printed(numbers, "a") - rebuilt[first].a) / per_sample
     derived["rebuilt.a.samples"] = (_largest(off), "")
@@ -169,7 +169,7 @@ def left_open(case: Case, frequency: str, exact: Features, numbers: Numbers) -> 
     the printed bound.   rounded : low and high, between which the largest error of the inner part of the draws lies
     where X alone is rounded as for Table 3.
     """
-    worst = of_routes.Key(frequency, "any", of_routes.HARMONIC, "largest", "", "common", unit="%")
+    worst = of_routes.key_of(frequency, "any", of_routes.HARMONIC, "largest")
     bound = float(numbers[worst]["printed"] or math.nan)
     (rounded,) = unprinted.drawn(exact, case, bound, [unprinted.ROUNDED])
     derived = rows("unprinted", {"draws": unprinted.DRAWS, "seed": unprinted.SEED})
@@ -221,8 +221,8 @@ def integral_deviations(
     dev : from the exact ones, at the highest level.
     rebuilt : from the rebuilt ones, the largest in size; b at the first level by itself.
     c_over_m, unrounded : the largest of W from a simulation with c/m alone rounded, and with no coefficient rounded.
-    by_hand : likewise, from the exact solver with the damping of the simulation put in.
-    c.print_but_first : c, N s/m, by least squares of the printed integrals without the first level, whose b is off.
+    by_hand : likewise, from the exact solver with the damping of the simulation entered by hand.
+    c.print_but_first : c, N s/m, by least squares of the printed integrals without the first level, whose b is wrong.
     """
     printed = {name: _printed(numbers, name) for name in of_routes.TABLE_2}
     off = {name: of / getattr(exact, name) - 1.0 for name, of in printed.items()}
@@ -268,9 +268,9 @@ SIMULATION = ["trial", "scheme", "step_s", "c_N_s_per_m", "k_over_m_per_s2"]
 def sampling_instants(cycles: pd.DataFrame, numbers: pd.DataFrame) -> pd.DataFrame:
     """Return the sampling instant within a step that each printed a implies, in each cycle of each simulation.
 
-    Adds a column instant: the part of a step by which a level deviates from the mean of its cycle, between −1/2 and
-    1/2. If the simulation is the one behind the printed a, all levels agree on one instant, and it is zero. Whole steps
-    do not count, because a may begin a sample earlier or later.
+    The column `instant` is added: the part of a step by which a level deviates from the mean of its cycle, between −1/2
+    and 1/2. If the simulation is the one behind the printed a, all levels agree on one instant, and it is zero. Whole
+    steps do not count, because a may begin a sample earlier or later.
 
     cycles : the table of `authors_route.trial_table`.
     """
@@ -284,13 +284,13 @@ def sampling_instants(cycles: pd.DataFrame, numbers: pd.DataFrame) -> pd.DataFra
 def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows:
     """Return how well the printed a of all levels agree on one sampling instant, in steps, by trial.
 
-    instants : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles; W, by
-    how much of itself W misses print at most.
+    instants : by trial, the largest deviation of a level in a cycle: the smallest and the largest of all cycles; W, the
+    largest relative deviation of W from the print.
     instants.chance : the probability that random instants agree as well as those of the as-published simulation do in
     every cycle (`evidence.chance_of_instants`), for each setting that was tried.
     cycles : number of cycles of the as-published simulation, of other steps and of all other settings tried.
-    other_damping : of the trials with another c, put in by hand, the one whose instants agree best: its c, its spread,
-    and by how much of itself its W misses print at most.
+    other_damping : of the trials with another c, entered by hand, the one whose instants agree best: its c, its spread,
+    and the largest relative deviation of its W from the print.
 
     instants (argument) : by `sampling_instants`.
     """
@@ -318,9 +318,9 @@ def agreement_of_instants(instants: pd.DataFrame, numbers: pd.DataFrame) -> Rows
 def starts(cycles: pd.DataFrame, case: Case) -> Rows:
     """Return what the samples at which the printed a begin have in common, in steps, in the cycle that is read.
 
-    alike : by how much the onset of slip falls differently between two samples at the lowest and the highest level.
-    rule : low and high, between which a number of steps lies such that a begins at the first sample that is at least so
-    many steps after the onset, at every level; without such a number low exceeds high.
+    alike : difference between the lowest and the highest level in where the onset of slip falls between two samples.
+    rule : low and high. With any number of steps between them, a begins at every level at the first sample that is at
+    least this number after the onset. If there is no such number, low exceeds high.
 
     cycles : the table of `authors_route.trial_table`.
     """

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...figures.looks import label_of, look_of
 from ...project.case import Case
-from ...replication.comparison import RECIPES, WAYS_TO_COMPARE
+from ...replication.comparison import RECIPES, WAY, WAYS_TO_COMPARE
 from ..colours import variable
 from ..typesetting import titled
 
@@ -16,11 +16,11 @@ STEPS = 200  # of a slider, at least
 
 
 def instruments_data(case: Case) -> dict[str, Any]:
-    """Return the case in SI units and what the instruments need besides, for `kit.js`; to stand in the page as JSON.
+    """Return the case in SI units, and what else the instruments need, as data that the page holds for `kit.js`.
 
     case : m, c, k, K_z, F_k, levels (m), frequencies (name → Hz) and pairs of levels (counted from 0).
-    approaches : key → its label, colour and shape.   steps : ways to mend the balance off resonance, the paper's two
-    first.
+    approaches : key → its label, colour and shape.
+    steps : ways to correct the balance off resonance, the paper's two first.
     """
     return {
         "case": {
@@ -34,19 +34,18 @@ def instruments_data(case: Case) -> dict[str, Any]:
             for name, look in zip(IN_THE_BROWSER, map(look_of, IN_THE_BROWSER), strict=True)
         },
         "steps": [
-            dict(zip(("approach", "phase", "sharing"), WAYS_TO_COMPARE[way], strict=True))
-            | {"name": way, "words": words}
+            dict(zip(WAY, WAYS_TO_COMPARE[way], strict=True)) | {"name": way, "words": words}
             for way, words in RECIPES.items()
         ],
     }
 
 
 def slider_controls(case: Case) -> dict[str, dict[str, Any]]:
-    """Return the sliders of the oscillator and its drive by name; their ranges hold the case and what lies around it.
+    """Return the sliders of the oscillator and its drive by name; their ranges include the case and its surroundings.
 
     Y, mm : up to a third above the highest level.   f, Hz : from below the lowest frequency to above the highest.
-    c : up to twice its value.   F_k : up to the force of the spring at the lowest level, which moves nothing any more.
-    K_z : logarithmic, from the softness of the spring k to ten times its value.
+    c : up to twice its value.   F_k : up to the force kY of the lowest level, with which nothing slips any more.
+    K_z : logarithmic, from the stiffness k of the spring to ten times its value.
     """
     osc, levels, hz = case.oscillator, case.levels_m, list(case.frequencies_hz.values())
     most_c = 2.0 * osc.c or 0.2 * math.sqrt(osc.k * osc.m)  # a tenth of the critical damping
@@ -66,8 +65,7 @@ def slider_controls(case: Case) -> dict[str, dict[str, Any]]:
 def _slider(
     label: str, unit: str, value: float, low: float, high: float, least: int = 0
 ) -> dict[str, Any]:
-    """Return a slider with round ends and a round step, 10ⁿ, of which there are 200 or more.   least : steps of the
-    lowest."""
+    """Return a slider with round ends and 200 or more round steps, 10ⁿ.   least : the smallest value, in steps."""
     step = 10.0 ** math.floor(math.log10(high / STEPS))
     places = max(0, -math.floor(math.log10(step)))
     shown = float(f"{value:.15g}")  # without the rounding of the change of units

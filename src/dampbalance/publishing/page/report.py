@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import base64
 import html
-import math
 import posixpath
 import re
 import warnings
@@ -28,9 +27,9 @@ from ...figures.style import follows_the_screen
 from ...project import wording
 from ...project.case import Case
 from ...project.documents import read_yaml
-from ...project.wording import minus, number_text, percent, signed_percent, unit_text
+from ...project.wording import minus, number_text, unit_text
 from ...replication.claims import verdicts as judged
-from ...replication.comparison import WAY, approaches_table, mends, off_resonance
+from ...replication.comparison import WAY, approaches_table, error_text, mends, off_resonance
 from ...replication.numbers import Numbers
 from ...replication.rebuilt_tables import SHOWN_ROUTES, TITLES, blocks, paper_tables
 from ...studies.study_file import Study
@@ -60,7 +59,7 @@ class PageContent:
     figures : name → SVG by `figures.style.save`: figure3, estimation_error, and where something is printed glance and
     numerics.
     derived : id → value of derived.csv as text, {} for a case with nothing printed.
-    studies : (study, its figure as SVG).   study_folder : where their results stand.
+    studies : (study, its figure as SVG).   study_folder : the folder of their results.
     """
 
     case: Case
@@ -76,7 +75,7 @@ class PageContent:
 ORIGINS: dict[str, dict[str, Any]] = read_yaml(
     Path(__file__).with_name("templates") / "origins.yaml"
 )
-"""Where the results on the page come from, as that file explains."""
+"""Origins of the results on the page, as that file explains."""
 
 
 def report_page(content: PageContent, page: str) -> str:
@@ -173,7 +172,7 @@ def _parts(
 
 
 def _study(content: PageContent, study: Study, svg: str) -> dict[str, Any]:
-    """Return the figure of a study, with what it shows: in its first sentence, and in more."""
+    """Return the figure of a study with its paragraph: the first sentence, and the rest."""
     name = study.name.replace("_", "-")
     first, _, more = content.derived[f"study.{study.name}.paragraph"].partition(". ")
     cases = f"{content.study_folder}/{study.name}/cases.parquet"
@@ -203,8 +202,15 @@ def _figure(name: str, svg: str) -> dict[str, Any]:
 
 
 def _environment(case: str, page: str) -> jinja2.Environment:
-    """Return templates with the filters that they use; an undefined name is an error."""
-    environment = typesetting.templates(jinja2.PackageLoader(__package__), html=True)
+    """Return the templates with their filters; an undefined name is an error."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(__package__),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
     compact = {"ensure_ascii": False, "allow_nan": False, "separators": (",", ":")}
     environment.policies["json.dumps_kwargs"] = compact
     environment.filters |= {
@@ -221,7 +227,7 @@ def _environment(case: str, page: str) -> jinja2.Environment:
         "significant": lambda value, digits: number_text(float(value), digits),
         "unit": unit_text,
         "part": lambda claim: judged.PARTS_OF_THE_PAPER[judged.part_of(claim)],
-        "error": _error,
+        "error": lambda error, plus="+": error_text(error, plus).removesuffix(" %"),
     }
     return environment
 
@@ -229,13 +235,6 @@ def _environment(case: str, page: str) -> jinja2.Environment:
 def _typeset(text: str) -> str:
     """Return text whose numbers have a true minus sign, and powers of ten as printed: 2.9E-3 is 2.9·10⁻³."""
     return minus(_POWER.sub(lambda of: wording.scientific(of[1], int(of[2])), text))
-
-
-def _error(error: float, signed: bool = True) -> str:
-    """Return an error given in %, without its unit; a bound without a sign where it is nothing but rounding."""
-    signed = signed and math.isfinite(error) and abs(error) >= 1e-6
-    text = (signed_percent if signed else percent)(0.01 * error).removesuffix(" %")
-    return f"≤ {text}" if abs(error) < 1e-6 else text
 
 
 def _static(name: str) -> str:

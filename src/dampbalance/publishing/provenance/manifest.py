@@ -89,23 +89,18 @@ def manifest(
     jobs: Sequence[Mapping[str, Any]],
     code: Mapping[str, Any],
     lock: str | Path,
-    top: str | Path = ".",
 ) -> dict[str, Any]:
     """Return the manifest as plain data.
 
     case : its name.   configuration : merged from the named files.   sources : all files on which results may depend,
     by their names in the project.   jobs : the jobs that produced the results, each {rule, script, inputs, outputs}
-    with such names.   code : from `code_version`.   lock : the file that pins the packages.   top : the folder
-    that holds the results.
+    with such names, the results as paths from the working folder.   code : from `code_version`.   lock : the file that
+    pins the packages.
     """
     rule_of = {file: job["rule"] for job in jobs for file in job["outputs"]}
-    files = {name: Path(top, name) for name in sorted(rule_of)}
     results = [
-        {
-            **{"path": name, "bytes": file.stat().st_size},
-            **{"sha256": sha256(file), "rule": rule_of[name]},
-        }
-        for name, file in files.items()
+        {"path": name, "bytes": Path(name).stat().st_size, "sha256": sha256(name), "rule": rule}
+        for name, rule in sorted(rule_of.items())
     ]
     digests = {name: sha256(path) for name, path in sorted(sources.items())}
     return {

@@ -1,6 +1,6 @@
-"""Sentences on why a computed number misses the printed one: one for each cause, computed from its row, or nothing.
+"""Sentences that explain why a computed number differs from the printed one: one function for each cause.
 
-No sentence is taken for granted: a condition on the numbers of the run decides whether it is written.
+Each computes its sentence from the row of the number, or returns "" where the numbers of the run do not support it.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from .verdicts import ROUTE_NAMES
 
 @dataclass(frozen=True)
 class Sources:
-    """All that claims are judged from, and what is computed from it once for many of them.
+    """What claims are judged from, with results that many of them share.
 
     published : the printed numbers.   case : as configured.   numbers : of all routes.
 
-    refuted, by_table_2, by_table_3, misfits : by `cross_checks`.   allowed : by both tables.
-    rules_at_work : what moves the number of a row of Table 3.
+    refuted, table_2, table_3, misfits : by `cross_checks`.
+    rules_at_work : function that names what moves a number of Table 3.
     """
 
     published: Published
@@ -41,9 +41,8 @@ class Sources:
     numbers: Numbers
 
     refuted = cached_property(lambda self: cross_checks.refuted(self.published, self.case))
-    by_table_2 = cached_property(lambda self: cross_checks.by_table_2(self.published))
-    by_table_3 = cached_property(lambda self: cross_checks.by_table_3(self.published, self.case))
-    allowed = cached_property(lambda self: self.by_table_2 | self.by_table_3)
+    table_2 = cached_property(lambda self: cross_checks.table_2(self.published))
+    table_3 = cached_property(lambda self: cross_checks.table_3(self.published, self.case))
     misfits = cached_property(lambda self: cross_checks.misfits(self.published, self.case))
     as_published = cached_property(lambda self: self.features("as_published"))
     rules_at_work = cached_property(
@@ -53,6 +52,16 @@ class Sources:
     def features(self, route: str, frequency: str = "omega1") -> Features:
         """Return the features of all levels by a route."""
         return features_of(self.numbers, route, frequency, self.case.omega(frequency))
+
+    def allowed(self, claim: str) -> NumberRange | None:
+        """Return the range that the other numbers of its table leave for one, if they leave one.
+
+        None where all of Table 3 agrees, which has nothing to refute then, and for a number that has no range.
+        """
+        if claim in self.table_2.ranged:
+            return self.table_2.range(claim)
+        refutes = claim in self.table_3.ranged and self.table_3.misfit > 0.5
+        return self.table_3.range(claim) if refutes else None
 
 
 @dataclass(frozen=True)
@@ -92,16 +101,16 @@ class Joined:
         """The level of a feature, counted from 1."""
         return int(self.key.line)
 
-    @property
+    @cached_property
     def allowed(self) -> NumberRange | None:
         """The range that the paper's other numbers leave, if they leave one."""
-        return self.sources.allowed.get(self.row.id)
+        return self.sources.allowed(self.row.id)
 
 
 def backward_euler(joined: Joined) -> str:
     """State the numerical dissipation: c acts as c + mω²h, and every integral shrinks by about as much.
 
-    F_k does not show it.
+    It does not affect F_k.
     """
     case, exact, simulated = joined.case, joined.values["exact"], joined.values["as_published"]
     applies = case.numerics.scheme == "backward-euler" and joined.key.quantity != "F_k"
@@ -117,15 +126,15 @@ def backward_euler(joined: Joined) -> str:
 def implied_b(published: Published, level: int) -> tuple[str, str]:
     """Compare a printed b with b = (W − a F_k)/c of the printed pairs: two contradictions, "" where there is none.
 
-    The first refutes b and the pairs with this level alike: they were computed with this b, and the F_k and c of all
-    other pairs balance the level with another one only. The second refutes b alone: the pairs were computed with
-    another one. Each b is as sharp as the rounding of a, W, F_k and c lets it be.
+    The first refutes b and the pairs with this level alike: these pairs were computed with this b, but the F_k and c of
+    all other pairs balance the level with another b only. The second refutes b alone: the pairs were computed with
+    another b. The rounding of a, W, F_k and c limits how precisely each b is known.
     """
     b, a, W = (published.column(symbol)[level - 1].number for symbol in "baW")
     pairs = [published.column(symbol, "pair", "direct") for symbol in COEFFICIENTS]
 
     def implied(with_it: bool) -> tuple[str, list[bool]]:
-        """Return the range of b by the pairs with this level or by the others; for each, whether it excludes print."""
+        """Return the range of b by the pairs with this level or by the others, and which pairs exclude the print."""
         values, excluded = [], []
         for of_F_k, of_c in zip(*pairs, strict=True):
             if (level in levels_of(of_c.key.line)) is not with_it:
@@ -190,7 +199,7 @@ def slip_time_as_read(joined: Joined) -> str:
 
 
 def slip_velocity_as_read(joined: Joined) -> str:
-    """Explain V_s as read off the velocity axis, and why no mark on it explains the column."""
+    """Explain V_s as read off the velocity axis, and name levels that no mark of the axis explains."""
     sample = joined.of(quantity="V_s_at_sample")["unrounded"]
     if math.isnan(sample):
         return ""
@@ -254,7 +263,7 @@ def starting_sample(joined: Joined) -> str:
 
 
 def other_b(joined: Joined) -> str:
-    """Return the pair with the b that print needs, where a printed b is not the simulated one and that explains it."""
+    """State the pair with the b that the printed pairs need, where the printed b is not the simulated one."""
     row, sources = joined.row, joined.sources
     pair = PAIRS[PAIR_LABELS.index(row.key.line)]
     a, b, W = (getattr(sources.as_published, symbol)[list(pair)] for symbol in TABLE_2)
@@ -263,7 +272,7 @@ def other_b(joined: Joined) -> str:
     notes = []
     for place, level in enumerate(pair):
         cell, simulated_b = sources.published.column("b")[level], float(b[place])
-        used, number = sources.allowed[cell.id], cell.number
+        used, number = sources.allowed(cell.id), cell.number
         if used is None or abs(simulated_b / number.unit - number.value / number.unit) <= 0.5:
             continue
         b[place] = needed = 0.5 * (used[0] + used[1])
@@ -301,7 +310,7 @@ def printed_inputs(joined: Joined) -> str:
 
 
 def cut_off(joined: Joined) -> str:
-    """State where the printed digits are those of the number from print cut off and rounding would give others."""
+    """State that the printed digits are those of the number from print cut off, where rounding would give others."""
     value, number = joined.values["from_print"], joined.number
     units = value / number.unit
     if math.floor(units) == round(number.value / number.unit) != round(units):

@@ -43,6 +43,9 @@ if TYPE_CHECKING:
 _TABLES = ((TABLE_1, HARMONIC_APPROACHES), (TABLE_2, ("direct",)))
 """Columns of Tables 1 and 2, and the approaches whose least squares start from them."""
 
+_AS_COMPUTED = {name: name for name in HARMONIC_APPROACHES}
+"""The columns of Table 3 and the rows behind them, of APPROACHES_OF_TABLE_3."""
+
 _OTHER_DIGITS = [sign * step for step in range(1, 10) for sign in (1, -1)]
 
 
@@ -91,11 +94,8 @@ def _restored(
     return restored
 
 
-def by_table_2(published: Published) -> dict[str, NumberRange | None]:
-    """Return the ranges that Table 2 allows for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair, by id.
-
-    None: no value agrees with all other printed numbers.
-    """
+def table_2(published: Published) -> Table:
+    """Return Table 2, with ranges for b of each level, m²/s, and F_k, N, and c, N s/m, of each pair."""
     inputs = [row for symbol in TABLE_2 for row in published.column(symbol)]
     estimates = _pairs(published, "direct")
 
@@ -103,8 +103,7 @@ def by_table_2(published: Published) -> dict[str, NumberRange | None]:
         a, b, W = values.reshape(3, -1, values.shape[1])
         return np.vstack([values, _estimates(Rows({"F_k": a, "c": b}, W))])
 
-    table = _Table(inputs, estimates, of_inputs)
-    return table.ranges(row.id for row in (*published.column("b"), *estimates))
+    return Table(inputs, estimates, of_inputs, [*published.column("b"), *estimates])
 
 
 def _pairs(published: Published, approach: str) -> list[Row]:
@@ -112,32 +111,22 @@ def _pairs(published: Published, approach: str) -> list[Row]:
     return [row for symbol in COEFFICIENTS for row in published.column(symbol, "pair", approach)]
 
 
-def by_table_3(published: Published, case: Case) -> dict[str, NumberRange | None]:
-    """Return the ranges that Tables 1 and 3 allow for F_k, N, and c, N s/m, of each pair; None as in `by_table_2`.
-
-    Empty where every number agrees with all others, which is seen at once.   case : for ω1 and k.
-    """
-    table = _table_3(published, case, _AS_COMPUTED)
-    return {} if table.misfit <= 0.5 else table.ranges(table.ids[table.inputs :])
-
-
 def misfits(published: Published, case: Case) -> dict[str, float]:
-    """Return how many units of the last digit the worst number is off at best, with either sign in the V_s rows.
+    """Return the smallest possible misfit of Table 3, in units of the last digit, with either sign in the V_s rows.
 
-    "plus", "minus" : all columns from the same X, φ and t_s.   "minus alone" : the V_s columns for themselves. Above
-    half a unit no inputs within the rounding of Table 1 give what is printed.
+    "plus", "minus" : all columns from the same X, φ and t_s.   "minus alone" : the V_s columns by themselves. Above
+    half a unit, no inputs within the rounding of Table 1 give what is printed.
     """
     minus = {"V_s": CORRECTED}
     ways = {"plus": _AS_COMPUTED, "minus": _AS_COMPUTED | minus, "minus alone": minus}
-    return {name: _table_3(published, case, rows).misfit for name, rows in ways.items()}
+    return {name: table_3(published, case, rows).misfit for name, rows in ways.items()}
 
 
-_AS_COMPUTED = {name: name for name in HARMONIC_APPROACHES}
-"""The columns of Table 3 and the rows behind them, of APPROACHES_OF_TABLE_3."""
+def table_3(published: Published, case: Case, rows: Mapping[str, str] = _AS_COMPUTED) -> Table:
+    """Return columns of Table 3 with their inputs in Table 1, and ranges for F_k, N, and c, N s/m, of each pair.
 
-
-def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Table:
-    """Return some columns of Table 3 with their inputs.   rows : behind each column, as _AS_COMPUTED."""
+    case : for ω1 and k.   rows : column → the rows of the balance behind it.
+    """
     read = ("X", "X_s", "V_s")
     inputs = [row for symbol in read for row in published.column(symbol)]
     inputs += [row for symbol in ("phi", "t_s") for row in published.column(symbol, "mean")]
@@ -152,7 +141,7 @@ def _table_3(published: Published, case: Case, rows: Mapping[str, str]) -> _Tabl
         systems = (APPROACHES_OF_TABLE_3[row](features, case.oscillator.k) for row in rows.values())
         return np.vstack([values, *map(_estimates, systems)])
 
-    return _Table(inputs, estimates, of_inputs)
+    return Table(inputs, estimates, of_inputs, estimates)
 
 
 def _estimates(rows: Rows) -> Array:
@@ -161,52 +150,53 @@ def _estimates(rows: Rows) -> Array:
     return np.vstack([estimate[symbol] for symbol in COEFFICIENTS])
 
 
-class _Table:
-    """Numbers of print as linear functions of the inputs among them, about the inputs that suit print best.
+class Table:
+    """Printed numbers as linear functions of the inputs among them, about the inputs that fit the print best.
 
-    ids : of the numbers, the inputs first.   off, slopes : how many units of its last digit each number is off print
-    there, and by how many it moves with a unit of each input.
+    off : deviation of each number from the print there, in units of its last digit.
+    slopes : change of each number, likewise, per unit of each input.
+    ranged : ids of the numbers that have a `range`.
     """
 
     def __init__(
-        self, inputs: list[Row], estimates: list[Row], of_inputs: Callable[[Array], Array]
+        self,
+        inputs: list[Row],
+        estimates: list[Row],
+        of_inputs: Callable[[Array], Array],
+        ranged: list[Row],
     ) -> None:
-        """From what is printed and the function from m sets of inputs, shape (inputs, m), to all numbers."""
+        """From the printed rows and the function from m sets of inputs, shape (inputs, m), to all numbers."""
         rows = inputs + estimates
-        self.ids, self.inputs, self._of_inputs = [row.id for row in rows], len(inputs), of_inputs
+        self._ids, self.inputs, self._of_inputs = [row.id for row in rows], len(inputs), of_inputs
+        self.ranged = {row.id for row in ranged}
         self._value, self._unit = np.array([(r.number.value, r.number.unit) for r in rows]).T
         at, unit = self._value[: self.inputs], self._unit[: self.inputs]
         self.off, self.slopes = self._linear(at)
-        for _ in range(2):  # steps that bring the worst number closer to print
-            program = self._nearest()
-            if program.x is None:
+        self._closest = self._nearest()
+        for _ in range(2):  # steps that bring the worst number closer to the print
+            if self._closest.x is None:
                 break
-            at = at + unit * program.x[:-1]
+            at = at + unit * self._closest.x[:-1]
             there = self._linear(at)
-            if not all(
-                np.isfinite(part).all() for part in there
-            ):  # the formulas have no value there
+            if not all(np.isfinite(part).all() for part in there):  # no value of the formulas
                 break
             self.off, self.slopes = there
+            self._closest = self._nearest()
 
     @property
     def misfit(self) -> float:
-        """The distance of the worst number from print, in units of its last digit."""
+        """The largest deviation of a number from the print, in units of its last digit."""
         return float(np.max(np.abs(self.off)))
 
-    def ranges(self, wanted: Iterable[str]) -> dict[str, NumberRange | None]:
-        """Return the range that all other printed numbers leave for each wanted one, by id."""
-        program = self._nearest()
+    def range(self, claim: str) -> NumberRange | None:
+        """Return the range that all other printed numbers leave for one; None where no value agrees with them."""
+        place, program = self._ids.index(claim), self._closest
         # Where the numbers do not agree, those that determine the misfit contradict each other in any case.
         agree = program.x is None or program.x[-1] <= 0.5 + 1e-6
-        at_odds = np.flatnonzero(program.ineqlin.marginals) % len(self.off)
-        ranges: dict[str, NumberRange | None] = {}
-        for claim in wanted:
-            place = self.ids.index(claim)
-            ends = self._ends(place) if agree or place in at_odds else None
-            value, unit = self._value[place], self._unit[place]
-            ranges[claim] = ends and (float(value + unit * ends[0]), float(value + unit * ends[1]))
-        return ranges
+        if not agree and place not in np.flatnonzero(program.ineqlin.marginals) % len(self.off):
+            return None
+        ends, value, unit = self._ends(place), self._value[place], self._unit[place]
+        return ends and (float(value + unit * ends[0]), float(value + unit * ends[1]))
 
     def _linear(self, inputs: Array) -> tuple[Array, Array]:
         n, unit = self.inputs, self._unit
@@ -216,14 +206,14 @@ class _Table:
         return values[:, 0] - self._value / unit, (values[:, 1 : n + 1] - values[:, n + 1 :]) / 0.2
 
     def _nearest(self) -> OptimizeResult:
-        """Return the steps of the inputs that suit print best and, last, by how many units the worst number is off."""
+        """Return the steps of the inputs that fit the print best and, last, the largest deviation, in units."""
         off, slopes = self.off, self.slopes
         both = np.hstack([np.vstack([slopes, -slopes]), -np.ones((2 * len(off), 1))])
         least = np.append(np.zeros(self.inputs), 1.0)
         return _program(least, both, np.concatenate([-off, off]))
 
     def _ends(self, place: int) -> NumberRange | None:
-        """Return the least and greatest value of one number, units off print, with all others within half a unit."""
+        """Return the least and greatest deviation of one number from the print, all others within half a unit."""
         others, room = np.delete(self.slopes, place, axis=0), np.delete(self.off, place)
         bounds = np.vstack([others, -others]), np.concatenate([0.5 - room, 0.5 + room])
         ends = []

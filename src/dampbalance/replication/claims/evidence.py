@@ -1,6 +1,6 @@
-"""Measures what the agreement with print proves: agreement by chance, free choices, and the inputs behind Table 3.
+"""How much the agreement with the print proves: agreement by chance, free choices, and the inputs behind Table 3.
 
-Everything follows from the tables of claims and of numbers and from the configuration.
+Everything follows from the tables of claims and numbers and from the configuration.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .table import SEPARATOR
 from .verdicts import HOLDING, REPRODUCED, ROUTE_NAMES, part_of
 
 CLOSE_UNITS = 5.0
-"""Units of the last digit on either side of an exact number: ten last digits lie that close to it."""
+"""Distance from an exact number, in units of the last digit, within which ten last digits lie."""
 
 BY_CHANCE = 0.1
 """The share of numbers within CLOSE_UNITS that agree in the last digit if it is a matter of chance."""
@@ -109,9 +109,9 @@ def slip_velocities(numbers: pd.DataFrame, cycles: pd.DataFrame) -> dict[str, fl
 
 
 def _made_otherwise(claims: pd.DataFrame) -> pd.Series:
-    """Return which computed numbers stand in columns that came about by another route than the exact one.
+    """Return which computed numbers are in columns that were not obtained by the exact route.
 
-    A column that is judged by the exact route and has a number that it does not give is among them: V_s.
+    A column that the exact route judges counts as such if this route misses one of its numbers: V_s.
     """
     computed, exact = claims["kind"] == "computed", ROUTE_NAMES["exact"]
     missed = computed & ~claims["agrees"].str.startswith(exact)
@@ -124,8 +124,8 @@ def by_route(claims: pd.DataFrame) -> dict[str, int]:
 
     exact : in columns that the exact route gives throughout.
     simulation : given as published, of all other columns.   simulation_reproduced : of these, exact agrees as well.
-    print : given by arithmetic on printed tables alone, of columns that came about so.
-    print_elsewhere : with the verdict `from print`, in a column that came about otherwise.
+    print : given by arithmetic on printed tables alone, of columns that were obtained in this way.
+    print_elsewhere : with the verdict `from print`, of other columns.
     table_3_from_table_1 : numbers of Table 3 that follow from Table 1 with the decimals that it prints.
 
     claims : claims.csv as text.
@@ -151,10 +151,10 @@ def by_route(claims: pd.DataFrame) -> dict[str, int]:
 
 
 def free_choices(case: Case) -> dict[str, dict[str, Any]]:
-    """List what was chosen in view of the printed digits, of the rules of the configuration that are not null.
+    """List the rules of the configuration that were chosen in view of the printed digits and are not null.
 
-    continuous : the step.   discrete : all else, a rule each; a begins at a sample of its own at every level. The
-    decimals of `tabulated` are those that Table 1 prints, and no choice; its other rules are those of `two_point`.
+    continuous : the step.   discrete : all others; the sample at which a begins is one for each level. The decimals of
+    `tabulated` are those that Table 1 prints, and no choice; its other rules are those of `two_point`.
     """
     numerics = case.numerics
     starts = {f"slip_samples.{level}": n for level, n in enumerate(numerics.slip_samples or (), 1)}
@@ -180,7 +180,6 @@ def inputs_of_table_3(case: Case, numbers: Numbers) -> dict[str, Any]:
     moved_X : the fewest and the most that a step of one X misses.
     inputs : their number.   given : numbers of Table 3 that the inputs give.
     given_by_exact_X : those given with X read off the exact solution by the same rule.
-    missed_by_printed_V_s : those missed with V_s as Table 1 prints it, in place of all digits.
 
     numbers : with what is printed (`numbers.with_claims`).
     """
@@ -189,9 +188,10 @@ def inputs_of_table_3(case: Case, numbers: Numbers) -> dict[str, Any]:
         features_of(numbers, route, "omega1", omega) for route in ("exact", "unrounded")
     )
     read = rules.common(unrounded)
-    printed = {key: Printed(row["printed"]) for key, row in numbers.items() if row["printed"]}
     table_3 = {
-        key: n for key, n in printed.items() if (key.kind, key.sharing) == ("pair", "common")
+        key: Printed(row["printed"])
+        for key, row in numbers.items()
+        if row["printed"] and (key.kind, key.sharing) == ("pair", "common")
     }
 
     def given(features: Features, minus: bool = False) -> int:
@@ -227,12 +227,10 @@ def inputs_of_table_3(case: Case, numbers: Numbers) -> dict[str, Any]:
         values = (getattr(read, field) + sign * step for sign in (-1.0, 1.0))
         moved[name] = missed(*(read.replaced(**{field: value}) for value in values))
     moved["sign"] = [len(table_3) - given(read, minus=True)]
-    V_s = [n.value for key, n in printed.items() if (key.quantity, key.kind) == ("V_s", "level")]
     return {
         "inputs": len(moved),
         "moved": moved,
         "moved_X": [end(end(moved[f"X_{n + 1}"]) for n in range(len(read))) for end in (min, max)],
         "given": given(read),
         "given_by_exact_X": given(with_X(rules.apply(exact).X)),
-        "missed_by_printed_V_s": missed(read.replaced(V_s=np.array(V_s)))[0],
     }

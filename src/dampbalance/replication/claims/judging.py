@@ -1,10 +1,10 @@
-"""Finds the best verdict of `verdicts.VERDICTS` that a printed number earns by what the routes give for it.
+"""The best verdict of `verdicts.VERDICTS` that a printed number earns by what the routes give for it.
 
-The rule is the same for every number: the best verdict that holds. A route gives the printed digits when it lies
-within half a unit of the last of them, whether or not the column came about by this route; how many may do so by chance
-is counted (`evidence.chance`). The route by which the column came about judges wherever no route gives the digits, and
-neither it nor any other may be far off. What the paper's own numbers refute differs, whatever any route gives. Nothing
-here is typed in: the verdict follows from the row, and so does its reason.
+The rule is the same for every number: the best verdict that holds. A route gives the printed digits if it lies within
+half a unit of the last of them, whether or not the column was obtained by this route; `evidence.chance` counts how many
+may do so by chance. If no route gives the digits, the one by which the column was obtained judges. In either case
+neither it nor any other may be far off. A number that the paper's own numbers refute differs, whatever the routes give.
+No verdict is typed in: it follows from the row, and so does its reason.
 
 How far off a rebuilt number may lie, and why, behind "reading", "propagated" and "unexplained":
 
@@ -42,7 +42,7 @@ HALF = 0.5 * (1.0 + 1e-9)
 """Units of the last digit within which a number gives the printed one, with the rounding of binary fractions."""
 
 WRITTEN = 1e-6
-"""Units of the last digit that a number may be off which the route itself writes with the digits of the print."""
+"""Units of the last digit within which a number agrees that the route itself rounds to the printed digits."""
 
 
 MAX_DEVIATION_OF_OTHER_ROUTES = 5e-3
@@ -71,7 +71,7 @@ class Claim:
     read more coarsely than it is printed, so that its digits say nothing.
     allowed : the range that the paper's other numbers leave for the number before it was rounded, or None.
     tolerances : ranges that earn other verdicts, the best first.
-    shown_only : routes without a say, because they leave out what made the number.
+    shown_only : routes that are shown but do not judge, because they leave out what makes the number.
     expected : the number that a route should give, where that is not the printed one.
     cause : the deviation behind the digits, one sentence computed from the same run; "" without one.
     contradiction : which of the paper's own numbers refute this one, whatever any route gives; "" if none does.
@@ -152,9 +152,10 @@ class Claim:
 
     @property
     def one_unit_off(self) -> bool:
-        """Whether the column's route misses by a digit that rounding may have moved.
+        """Whether the column's route misses the print by one unit of the last digit, which rounding may explain.
 
-        It may not where the paper's other numbers show what was rounded, and the route lies half a unit from that.
+        It cannot explain it if the paper's other numbers leave a range for the number before it was rounded, and the
+        route lies more than half a unit outside this range.
         """
         number, value = self.row.number, self.value(self.route)
         low, high = self.allowed or (value, value)
@@ -236,10 +237,10 @@ PHASE_UNIT_S = 5e-5
 """The coarsest of the units 1, 2 and 5 times a power of ten of which all printed φ/ω are multiples, as rounded."""
 
 NEAR_PHASE_S = 2e-4
-"""A phase is near up to so many seconds: two tenths of a millisecond, a whole one misread for each of two instants."""
+"""Largest deviation of a phase that is near, s: a tenth of a millisecond misread at each of two instants."""
 
 NEAR_UNITS = 10.0
-"""Units of the last digit: a simulated number that is less far off is right in all digits but the last."""
+"""Units of the last digit within which a simulated number is near: right in all digits except the last."""
 
 UNKNOWN = "the cause is unknown"
 

@@ -1,8 +1,8 @@
 """The numbers of the paper, as printed, and the route that computes from nothing but them.
 
-A row for each number keeps its text, and so its digits and how finely it was rounded. The from-print route puts Table 1
-and the integrals of Table 2 through the same rows and the same solver as everything else. For the least squares, the
-residuals, the means and the deviations the printed numbers come out: the paper's arithmetic is sound.
+Each row keeps the number as text, and so its digits and its rounding. The from-print route takes Table 1 and the
+integrals of Table 2 through the same rows and the same solver as everything else. It gives the printed least squares,
+residuals, means and deviations: the paper's arithmetic is sound.
 
 This package is the only place that reads `paper/published/`: what is compared with must not leak into what is computed.
 """
@@ -32,7 +32,7 @@ from ...solver import Pair, pair_label
 from ..numbers import COEFFICIENTS, PRINTED_APPROACHES, Key, of_errors, of_estimates, of_features
 
 LONGEST = 25
-"""Characters of a number at most."""
+"""Most characters of a printed number."""
 
 _POWERS = (-30, 30)  # powers of ten within which every quantity of the paper lies
 
@@ -45,7 +45,7 @@ class Printed:
 
     @property
     def is_number(self) -> bool:
-        """Whether the text is a number, of a size that a quantity of the paper can have, not a word as "degraded"."""
+        """Whether the text is a number of a size that a quantity of the paper can have, and no word like "degraded"."""
         try:
             number = self.decimal
         except ValueError:
@@ -88,7 +88,7 @@ class Printed:
         return int(self.decimal.as_tuple().exponent)
 
     def moved(self, units: int) -> str:
-        """Return the text with its last digit moved by so many units, written alike: 90.0402 by 1 → 90.0403."""
+        """Return the text with its last digit moved by some units, in the same form: 90.0402 by 1 → 90.0403."""
         value = self.decimal + units * Decimal(1).scaleb(self.exponent)
         mantissa, power = re.split("(?=[eE])|$", self.text, maxsplit=1)  # the latter, e.g., E-3
         moved = value.scaleb(-int(power[1:] or 0))
@@ -158,9 +158,8 @@ class Published:
 
     def column(self, quantity: str, kind: str = "level", approach: str = "") -> list[Row]:
         """Return what is printed of a quantity: a column of a table, in the order of its lines, or a single number."""
-        of = {"quantity": quantity, "kind": kind, "approach": approach}
-        rows = (row for row in self.rows.values() if self.ids[row.key] == row.id)
-        return [row for row in rows if row.key._replace(**of) == row.key]
+        rows = (row for row in self.rows.values() if row.key[1:4] == (quantity, approach, kind))
+        return [row for row in rows if self.ids[row.key] == row.id]
 
     def values(self, quantity: str, kind: str = "level", approach: str = "") -> Array:
         """Return the numbers of a `column`."""
@@ -195,9 +194,9 @@ def read_published(folder: Path) -> Published:
 
 
 def read_texts(path: Path, columns: tuple[str, ...]) -> pd.DataFrame:
-    """Return a table with these columns, every cell the text that it is, and each `id` once.
+    """Read a table that has these columns, every cell as text.
 
-    Raises ValueError for anything else.
+    Raises ValueError for a file that is missing, too large or no such table, and for an `id` that appears twice.
     """
     problem = f"the file is missing, or has more than {_MOST_BYTES:,} bytes"
     if path.is_file() and path.stat().st_size <= _MOST_BYTES:
@@ -230,11 +229,11 @@ def printed_features(published: Published, omega: float) -> Features:
 
 
 def from_print(published: Published, case: Case) -> dict[Key, float]:
-    """Return the numbers at ω1 that follow from the printed ones: estimates, and what sums up features and pairs.
+    """Return the numbers at ω1 that follow from the printed ones: estimates, and statistics of features and pairs.
 
-    Estimates come from the printed features, pair-wise with φ = 1.542 and t_s = 2.1 ms of the text; mean, deviation and
-    errors of the pairs from the pairs that Tables 2 and 3 print. Only ω, k, the pairs and the true values come from
-    outside the print.
+    Estimates follow from the printed features, those of pairs with φ = 1.542 and t_s = 2.1 ms of the text; mean,
+    deviation and errors of the pairs follow from the pairs that Tables 2 and 3 print. Only ω, k, the pairs and the true
+    values do not come from the print.
     """
     features = printed_features(published, case.omega("omega1"))
     stated = {name: published.values(name, "mean")[0] for name in ("phi", "t_s")}

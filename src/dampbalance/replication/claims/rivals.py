@@ -1,7 +1,7 @@
-"""The rivals of the as-published simulation, other schemes, roundings, steps and damping: recorded beside the print.
+"""The rivals of the as-published simulation (other schemes, roundings, steps and damping), recorded in files.
 
-To simulate them takes longer than all else of the paper's case. A nightly test simulates them again and compares;
-`trials/rivals.py` writes the records anew.
+Simulating them takes longer than the rest of the paper's case. A nightly test simulates them again and compares;
+`trials/rivals.py` renews the records.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ FILES = "schemes.csv", "cycles.csv"
 def rivals(
     folder: Path, case: Case, frequency: str, rebuilt: Features
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return `scheme_table` and `trial_table`: as recorded in a folder, or simulated where the records are of another
-    case.
+    """Return `scheme_table` and `trial_table`: as recorded in a folder, or simulated for a case without records.
 
-    rebuilt : unrounded features of the as-published simulation at this frequency, whose a and W tell the case, with c.
+    rebuilt : unrounded features of the as-published simulation at this frequency; their a and W, with c, identify the
+    case of the records.
     """
     schemes, cycles = (read_csv(folder / name) for name in FILES)
     own = cycles[(cycles["trial"] == "as_published") & (cycles["cycle"] == 0)]

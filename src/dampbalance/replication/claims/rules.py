@@ -1,12 +1,12 @@
-"""The rules by which printed numbers are judged, in one table: which route, how near, and why they may differ.
+"""The rules by which printed numbers are judged, in one table: by which route, how closely, and why they may differ.
 
 A printed number is judged as a row: what is printed, joined with what the routes give for the same key.
 
-Statements, bounds and words, are judged by one route, as published: they speak of what the authors computed. "Less than
-1.5 %" holds where the value is less, and the bound is the value rounded as it is printed, or one unit looser; any
-looser, it would say nothing of the value. A bound at a frequency at which the paper prints no read-outs is undecided
-where some that it may have used keep it and others do not (`unprinted.py`). A word holds where the comparison that it
-names does.
+Statements (bounds and words) are judged by the as-published route, as they refer to what the authors computed. "Less
+than 1.5 %" holds if the value is smaller and the bound is the value rounded to the printed digits, or one unit looser;
+a looser bound would say nothing about the value. Where the paper prints no read-outs at a frequency, a bound is
+undecided if some read-outs that the authors may have used keep it and others do not (`unprinted.py`). A word holds if
+the comparison that it names does.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
-from ...balance import takes_phase
 from ...estimates import estimate_table
 from ...project.case import Case
 from ...project.files import ROUTES
@@ -31,8 +30,8 @@ from ..numbers import (
     PARAMETERS,
     PRINTED_APPROACHES,
     TABLE_2,
-    UNITS,
     Key,
+    key_of,
 )
 from ..read_out import ReadOut
 from . import causes, judging, unprinted
@@ -53,18 +52,16 @@ def require_paper(case: Case) -> None:
 
 
 ROUTE = "as_published"
-"""The route that judges statements, and the numbers that came about by it."""
+"""The route that judges statements, and the numbers that were obtained by it."""
 
 Sentence = Callable[[Joined], str]
-"""Why a number differs: "" where it does not explain that."""
+"""Why a number differs; "" where this is not the reason."""
 
 Holding = tuple[bool, bool, str]
 """Whether an input or a statement holds, whether the print leaves that open, and why."""
 
-
 _LINES = {"level": tuple(map(str, range(1, LEVELS + 1))), "pair": PAIR_LABELS}
-_SHARING = {"least_squares": "individual", "pair": "common", "largest": "common"}
-"""By kind, the lines of a table, and how the paper takes φ and t_s where an approach needs them."""
+"""Kind of number → the lines of its table."""
 
 
 @dataclass(frozen=True)
@@ -93,20 +90,9 @@ class Rule:
     @cached_property
     def keys(self) -> list[Key]:
         """The numbers that it judges."""
-        ways = product(self.frequencies, self.quantities, self.approaches)
-        return [
-            Key(
-                frequency,
-                quantity,
-                approach,
-                self.kind,
-                sharing=_SHARING.get(self.kind, "") if approach and takes_phase(approach) else "",
-                line=line,
-                unit="%" if self.kind == "largest" else UNITS[quantity],
-            )
-            for frequency, quantity, approach in ways
-            for line in _LINES.get(self.kind, ("all",))
-        ]
+        lines = _LINES.get(self.kind, ("all",))
+        ways = product(self.frequencies, self.quantities, self.approaches, lines)
+        return [key_of(name, of, approach, self.kind, line) for name, of, approach, line in ways]
 
 
 def claims(sources: Sources, rows: Iterable[Row]) -> list[Claim]:
@@ -152,7 +138,7 @@ def _configured(joined: Joined) -> Holding:
 
 
 def _uncut(joined: Joined) -> dict[str, float]:
-    """Return where the exact route of a time belongs: at the simulated one, of which the print keeps whole tenths."""
+    """Return the time that the exact route should give: the simulated one, of which the print keeps whole tenths."""
     simulated = joined.values["unrounded"]
     return {} if math.isnan(simulated) else {"exact": simulated}
 
@@ -298,7 +284,7 @@ def _largest_with_sign(joined: Joined) -> str:
         return largest(of[route] for of in pairs)
 
     def with_decimals(decimals: int) -> str:
-        """Return the error by exact features, X, X_s and V_s with so many decimals."""
+        """Return the error by exact features, with X, X_s and V_s rounded to these decimals."""
         read = ReadOut(X_decimals=decimals, X_s_decimals=decimals, V_s_decimals=decimals)
         table = estimate_table(read.apply(exact), osc.k, PAIRS, approaches=HARMONIC_APPROACHES)
         pairs = table[(table["kind"] == "pair") & (table["phase"] == "common")]
@@ -395,10 +381,10 @@ CONTRADICTIONS: dict[Sentence, tuple[str, ...]] = {
 
 
 def check_printed(printed: Published) -> None:
-    """Check the table before anything is judged by it.
+    """Check the table of printed numbers before any of them is judged.
 
-    Raises ValueError naming file and row when a row is missing, when what it says of a number does not suit its rule,
-    or when what is printed cannot be judged.
+    Raises ValueError naming file and row when a row is missing, when a cell does not fit the rule of its row, or when
+    what is printed cannot be judged.
     """
     for row in printed.rows.values():
         if problem := _problem(row):
@@ -415,7 +401,7 @@ def check_printed(printed: Published) -> None:
 
 
 def _problem(row: Row) -> str:
-    """Return the column of the first cell that its rule does not know, and why; "" if there is none."""
+    """Return the column of the first cell that its rule does not know, and what is wrong; "" if there is none."""
     allowed: dict[str, Iterable[str]] = {"rule": RULES}
     if rule := RULES.get(row.rule):
         allowed = {"claim": (rule.claim,)}

@@ -21,16 +21,16 @@ CLAIM_COLUMNS = (
     *("verdict", "explanation", "kind", "agrees", "judged", "off_relative", "off_units"),
 )
 """Those of claims.csv. agrees : the routes that give the printed digits of a computed number, the best first.
-judged : the route by which the number's column came about.   off_… : how far it lies from a computed number as printed,
+judged : the route by which the number's column was obtained.   off_… : its deviation from a computed number as printed,
 relative and in units of the last digit."""
 SEPARATOR = "; "
-"""Between the routes in the column `agrees`."""
+"""Separates the routes in the column `agrees`."""
 
 RECORDED_COLUMNS = ("id", "printed", "verdict")
 
 
 def claims_table(sources: Sources) -> pd.DataFrame:
-    """Return a row per printed number: what each route gives for it, the verdict, and why. Columns: COLUMNS.
+    """Return a row per printed number: what each route gives for it, the verdict, and why. Columns: CLAIM_COLUMNS.
 
     The numbers of the routes are text, written as the printed number is with four more digits; verdicts are judged on
     all digits. Raises ValueError when the printed ids and the claims do not match one to one, or the case is not the
@@ -92,11 +92,11 @@ WORSE = "printed numbers come out worse than on record"
 def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
     """Return the summary of the verdicts, as text.
 
-    Its first paragraph is what the screen shows when a run ends: whether all verdicts are as on record, otherwise how
+    Its first paragraph is shown on the screen when a run ends: whether all verdicts are as on record, otherwise how
     many are not, and the worst of them. Then it counts the computed numbers by part and verdict, with inputs and
     statements next to them, and lists each claim of which no route gives the digits or which the paper refutes, with
-    the number that is obtained; the reasons stand in the table of claims. A line for each offence that `check_claims`
-    returned ends it.
+    the number that is obtained; the reasons are in the table of claims. At the end it has a line for each offence that
+    `check_claims` returned.
     """
     counted = counts(frame)
     total, table = counted[-1], {}
@@ -124,7 +124,7 @@ def summary(frame: pd.DataFrame, offences: pd.DataFrame) -> str:
 
 
 def _opening(frame: pd.DataFrame, offences: pd.DataFrame) -> list[str]:
-    """Return the first paragraph of the summary: what has no claim or no value first, then the farthest from print."""
+    """Return the first paragraph of the summary: numbers without a claim or a value first, then the farthest off."""
     if offences.empty:
         return [f"{len(frame)} verdicts as on record."]
     claims = {row["id"]: row for row in frame.to_dict("records")}
@@ -160,7 +160,7 @@ def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
 
 
 def _open(row: Mapping[Hashable, str], off: str) -> tuple[str, ...]:
-    """Return a line of the summary: with the number of the column's route, and how far it is off, if it is a number."""
+    """Return a line of the summary: the number by the column's route, and how far it is off, if it is a number."""
     value = row[next(name for name, words in ROUTE_NAMES.items() if words == row["judged"])]
     printed = f"{row['printed']} {'' if row['unit'] == '1' else row['unit']}".strip()
     obtained = f"{value or 'nothing'} {row['judged']}"

@@ -1,8 +1,8 @@
 """Random draws of read-outs about their exact values.
 
 Could read-outs that the paper does not print keep a bound that it states (`drawn`)? At ω2 and ω3 the paper states
-errors of its two-point formulas without the read-outs behind them. A bound is open where some read-outs that it may
-have used keep it and others do not. The formulas are taken from Table 3, with one φ and one t_s for all levels; X of
+errors of its two-point formulas without the read-outs behind them. A bound is open if some read-outs that the authors
+may have used keep it and others do not. The formulas are those of Table 3, with one φ and one t_s for all levels; X of
 each level and the one φ are drawn uniformly about their exact values, and X + X_s stays exact.
 
 How much does the rounding of Table 1 cost the Fourier balance (`rounding_errors`)? Its read-outs are drawn uniformly
@@ -27,7 +27,7 @@ from ..numbers import COEFFICIENTS, HARMONIC_APPROACHES
 from .printed import PAIRS
 
 DRAWS = 10_000
-"""Draws of the read-outs: a share is known to half a per cent."""
+"""Number of draws of the read-outs, which determines a share to half a per cent."""
 
 SEED = 2010
 
@@ -42,7 +42,7 @@ DECIMALS = {"X": 5, "X_s": 5, "X_1": 5, "X_3": 5, "X_5": 5, "phi_fundamental": 3
 """Decimals of what the Fourier balance reads, m and rad: X, X_s and φ as in Table 1, the harmonics as X."""
 
 RARE = 0.05
-"""A share of draws below which, or within which of all, a bound is decided."""
+"""A bound is decided if less than this share of the draws exceeds it, or less than this share keeps it."""
 
 
 class Drawn(NamedTuple):
@@ -62,7 +62,7 @@ class Drawn(NamedTuple):
 def drawn(
     exact: Features, case: Case, bound: float, spreads: Sequence[tuple[float, float]] = SPREADS
 ) -> list[Drawn]:
-    """Draw the largest error of F_k and c over the pairs of levels and hold it against a bound, per cent.
+    """Draw the largest error of F_k and c over the pairs of levels and compare it with a bound, per cent.
 
     exact : exact features at the frequency.   spreads : half widths, as SPREADS.
     """
@@ -95,7 +95,7 @@ def exceedances_in_words(drawn: Sequence[Drawn], bound: str) -> str:
 def rounding_errors(exact: Features, case: Case, more: int = 0) -> Array:
     """Return the largest error of F_k by the Fourier balance over the pairs of levels, per cent, a number per draw.
 
-    Use it to see how the error is distributed when all read-outs are rounded to DECIMALS.
+    Its distribution shows what rounding all read-outs to DECIMALS costs.
 
     exact : exact features at the frequency.   more : further decimals that are kept.
     """

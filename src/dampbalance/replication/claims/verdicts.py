@@ -1,7 +1,6 @@
-"""The verdicts on printed numbers, best first, and how many earn each.
+"""The verdicts on printed numbers, best first, and how many numbers earn each.
 
-The routes by which a printed number is
-computed have their names here, too: the reasons for a verdict cite them.
+The names of the routes by which a printed number is computed are here, too, as the reasons for a verdict cite them.
 """
 
 from __future__ import annotations
@@ -83,7 +82,7 @@ KINDS: dict[ClaimKind, str] = {
 
 
 class Count(NamedTuple):
-    """Counts the claims of each kind in a part of the paper, and the verdicts on its computed numbers.
+    """Numbers of claims of each kind in a part of the paper, and of verdicts on its computed numbers.
 
     key : of the part, as the ids of its claims begin, or "all".
     of_verdict : name of the verdict → how many computed numbers earn it.

@@ -7,9 +7,9 @@ kit.instrument('oscillator', (it) => {
   const REGIMES = {
     'one slip': 'The contact slips once in every half cycle.',
     'several slips': 'The contact sticks and slips several times in every half cycle.',
-    'no slip': 'The contact only sticks: it is a spring, and takes no energy.',
-    'no friction': 'There is no friction: the contact slips all the time, and takes nothing.',
-    'not found': 'No steady motion: the base puts in more than friction and damper can take.',
+    'no slip': 'The contact only sticks: it is a spring, and dissipates no energy.',
+    'no friction': 'There is no friction: the contact slips all the time, and dissipates nothing.',
+    'not found': 'No steady motion: the base puts in more than friction and damper can dissipate.',
   };
   const UNITS = { // of the readings: how many of the unit shown are in the SI unit
     X: [1e3, 'mm'], X_s: [1e3, 'mm'], V_s: [1e3, 'mm/s'], t_s: [1e3, 'ms'], phi: [1, 'rad'], a: [1e3, 'mm'], b: [1e6, 'mm²/s'], Z_m: [1e6, 'µm'],
@@ -34,7 +34,7 @@ kit.instrument('oscillator', (it) => {
     const found = r.regime !== 'not found';
     const [lost, damped] = [(r.a || 0) * par.F_k, r.b * par.c];
     const energy = (J) => `${number(1e3 * J, 5)}\u00a0mJ (${number((100 * J) / r.W, 3)}\u00a0%)`;
-    it.write('.words', REGIMES[r.regime] + (found ? ` In a cycle the base puts in <b><i>W</i> = ${number(1e3 * r.W, 5)}\u00a0mJ</b>. Friction takes
+    it.write('.words', REGIMES[r.regime] + (found ? ` In a cycle the base puts in <b><i>W</i> = ${number(1e3 * r.W, 5)}\u00a0mJ</b>. Friction dissipates
       <b><i>a</i>\u00a0${rich('F_k')} = ${energy(lost)}</b>, the damper <b><i>b</i>\u00a0<i>c</i> = ${energy(damped)}</b>: the balance closes within
       ${number(Math.max(2.2e-16, Math.abs(r.W - lost - damped) / r.W), 1)} of <i>W</i>.` : ''));
     for (const [name, [scale, unit]] of Object.entries(UNITS)) it.write(`[data-name=${name}]`, `${number(scale * r[name], 5)}\u00a0${unit}`);
