@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from .records.synthetic import measured_orbit, measured_ring_down
     from .studies.study import StudyResult, study
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "Answer",
