@@ -110,6 +110,7 @@ archive: $(READY) ## Pack the committed sources, all results and their digests i
 	@echo "The archive is $$ARCHIVE."
 
 dist: $(READY) ## Build the source distribution and the wheel of the package, ready for an index, into dist/
+	@rm -rf dist
 	@$(RUN) hatchling build
 	@echo "To install it elsewhere: pip install \"dist/dampbalance-$(VERSION)-py3-none-any.whl[records]\""
 

@@ -1,10 +1,10 @@
-"""Damping of a forced oscillator with compliant contact, identified by balancing energy.
+"""Friction and viscous damping of a vibrating system, identified from records of its motion.
 
-After Liang & Feeny, *Balancing energy to estimate damping in a forced oscillator with compliant contact*,
-DETC2010-28049.
+The energy balance and the oscillator with a compliant contact are those of Liang & Feeny, *Balancing energy to estimate
+damping in a forced oscillator with compliant contact*, DETC2010-28049.
 """
 
-# true to a type checker; `typing` and more are imported where Ctrl-C is caught
+# True for type checkers, which know the name; `typing` takes long to import, and Ctrl-C is not caught here
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .balance import Rows
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from .records.synthetic import measured_orbit, measured_ring_down
     from .studies.study import StudyResult, study
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "Answer",
@@ -84,7 +84,7 @@ __all__ = [
     "transient",
 ]
 
-# Loaded when they are asked for: the command line starts without NumPy.
+# Each is imported when it is first used, so that the command line starts without NumPy.
 _MODULES = {
     "balance": ("Rows",),
     "features": ("Features",),
@@ -120,9 +120,9 @@ def __getattr__(name: str) -> object:
 
     for module, names in _MODULES.items():
         if name in names:
-            found = getattr(import_module(f".{module}", __name__), name)
-            globals()[name] = found
-            return found
+            item = getattr(import_module(f".{module}", __name__), name)
+            globals()[name] = item
+            return item
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -169,7 +169,7 @@ def test_a_table_of_a_stepped_sine_needs_no_stiffness(tmp_path, answer):
         ([*QUICK, "--given", "c=1", "--given", "c=1"], "--given: c is named twice: leave out one"),
         (QUICK[:3], "stiffness (--stiffness) is missing: forced records need it"),
         (["identify", *COMMON], "arguments are required: RECORD"),
-        (["identify", "a\n" * 3000, *COMMON], "name too long: 'a\\na\\na"),
+        (["identify", "a\n" * 3000, *COMMON], "name too long"),
         ([*QUICK, "--write-mapping", "a.csv"], "the name of a mapping must end in .yaml"),
     ],
 )

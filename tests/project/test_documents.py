@@ -49,7 +49,7 @@ HOSTILE = [
     ("a: !!int ''", "line 1: not readable as YAML: the value cannot be read (string index"),
     ("a: 1\nb:\n  a: 2\n  a: 3", "line 4: not readable as YAML, while constructing a mapping (beg"),
     ("a:\n\t- 1", "indent with spaces, not with tabs"),
-    ("? [a, {b: c}]\n: d", "not readable as YAML: unhashable type: 'dict'"),
+    ("? [a, {b: c}]\n: d", "not readable as YAML: a key is a list or a mapping"),
     ("a: *" + "x" * 50_000, "line 1: not readable as YAML"),
     ("a: \x07", "the character U+0007 cannot stand in YAML; remove it"),
     ("a: !!python/object/apply:os.system [ls]", "line 1: not readable as YAML: could not deter"),

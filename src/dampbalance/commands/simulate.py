@@ -73,6 +73,7 @@ def arguments(
 
 
 _CHANNELS = ("base_displacement", "displacement")
+_IN_MOTION = [*EXCITATIONS, *RESPONSES]
 
 ARGUMENTS = arguments(
     {
@@ -99,7 +100,7 @@ ARGUMENTS = arguments(
         ),
     },
     "that of the channel",
-    (*EXCITATIONS, *RESPONSES, *ROTATING),
+    _IN_MOTION + [of for of, linear in ROTATING.items() if linear in _IN_MOTION],
     _CHANNELS,
 )
 

@@ -98,8 +98,8 @@ def read_yaml(file: str | Path) -> Any:
         what = f"line {line}: the byte 0x{byte:02X} is not UTF-8; save it as UTF-8"
     except RecursionError:
         what = _TOO_DEEP
-    except TypeError as error:  # a list with mappings as a key
-        what = f"not readable as YAML: {error}"
+    except TypeError:  # a list with mappings as a key
+        what = "not readable as YAML: a key is a list or a mapping; keys are names"
     except ReaderError as error:
         what = f"the character U+{error.character:04X} cannot stand in YAML; remove it"
     except MarkedYAMLError as error:
