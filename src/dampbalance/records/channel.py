@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,11 +36,19 @@ ACCOMPANYING = {"normal_force": "N"} | OF_FORCE
 QUANTITIES = EXCITATIONS | RESPONSES | ACCOMPANYING
 """Every quantity that a channel may hold, with the SI unit of its values."""
 
+OF_LOOP = "displacement", "force"
+"""What a measured loop consists of."""
+
 ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPONSES | OF_FORCE}
 """Quantities of a record that rotates, angle, torque, …, and what each stands for in the equations of a translation."""
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """Order of the time derivative of each motion: 0 for a displacement, 2 for an acceleration."""
+
+
+def is_loop(quantities: Iterable[str]) -> bool:
+    """Return whether a record of these quantities is a measured loop, which needs no times."""
+    return {*OF_LOOP} <= {*quantities} <= {*OF_LOOP, "velocity", *ACCOMPANYING}
 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:

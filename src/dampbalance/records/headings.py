@@ -7,12 +7,15 @@ displacement of the base. Where it names a body and no quantity, "Base [g]", the
 from __future__ import annotations
 
 import re
+import tomllib
 import unicodedata
 from collections.abc import Container, Iterator
 from dataclasses import replace
+from importlib.resources import files
 from itertools import pairwise
 
 from .channel import ABSOLUTE, EXCITATIONS
+from .mapping import RecordMapping
 from .table import RawChannel, Table
 from .units import (
     DIMENSIONS,
@@ -25,60 +28,28 @@ from .units import (
     per_force,
 )
 
+_TABLE = tomllib.loads(files(__package__).joinpath("headings.toml").read_text(encoding="utf-8"))
 WORDS = {
-    "displacement": "displacement disp deflection position pos dist distance x weg auslenkung "
-    "verschiebung abstand angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel "
-    "déplacement deplacement 変位 位移",
-    "velocity": "velocity vel v geschwindigkeit speed drehzahl omega ω winkelgeschwindigkeit "
-    "vitesse 速度",
-    "acceleration": "acceleration accel acc accelerometer beschleunigung winkelbeschleunigung "
-    "accélération accéléromètre 加速度",
-    "force": "force forc f kraft torque moment drehmoment effort 力 荷重 载荷",
-    "base_displacement": "y",
-    "base": "base ground table shaker foundation support excitation input in eingang "
-    "basis boden tisch fundament fußpunkt anregung erregung socle pot vibrant "
-    "台 台面 加振 加振台 振動台 ベース 基礎 入力 振动台 激振 基座 基础 输入",
-    "mass": "mass response absolute output out masse antwort absolut ausgang réponse "
-    "質量 応答 出力 质量 质量块 响应 输出",
-    "relative": "relative rel relativ relatif 相対 相对",
+    group: {meaning: {*words.split()} for meaning, words in meanings.items()}
+    for group, meanings in _TABLE.items()
 }
-"""Words by which a channel is recognised, in lower case: quantities, then what moves, and against what. "in" counts at
-the end of a heading alone."""
-
-WORDS_OF_TABLES = {
-    "frequency": "frequency freq f frequenz omega ω",
-    "phase": "phase phi φ phasenwinkel phasenlage",
-    "level": "level stufe pegel niveau",
-    "receptance": "receptance compliance nachgiebigkeit",
-    "mobility": "mobility admittanz",
-    "accelerance": "accelerance inertance",
-    "coherence": "coherence coh kohärenz",
-    "averages": "averages mittelungen",
-}
-"""Words of the heading of a column of a table of steady responses; those of amplitudes are those of a record."""
+"""Words by which a heading is recognised: `headings.toml`."""
 
 STANDARD_ERROR = "_standard_error"
 """What the name of a quantity ends in, for the column of a table that holds its standard error."""
 
 AXES = {"x", "y", "z"}
-"""Letters that are directions, beside another word or a unit that is no displacement's."""
+"""Letters that are directions if they stand next to another word, or have a unit other than that of a displacement."""
 
-TURNING = (
-    "angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel omega ω drehzahl "
-    "winkelgeschwindigkeit winkelbeschleunigung"
-)
-"""Words of a rotation, which may have no unit."""
-
-TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
-"""Words of a heading that make a channel a temperature, which is left aside."""
-
-_MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words.split()}
+_BODIES = WORDS["bodies"]
+_MEANINGS = {
+    word: meaning for of in (WORDS["quantities"], _BODIES) for meaning in of for word in of[meaning]
+}
 # words that suffice for a guess alone
 _HINTS = dict.fromkeys(("hammer", "load", "friction", "reibung", "reibkraft"), "force")
 _NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
 # the unit shows that a velocity is angular; accélération de la masse
 _PASSED_OVER = "angular", "de", "du", "la", "le"
-_BODIES = ("base", "mass", "relative")
 _OF_AMPLITUDES = {
     *("amplitude", "amplitudes", "amp", "ampl", "magnitude", "mag", "frf", "abs", "peak", "rms")
 }
@@ -172,7 +143,7 @@ def has_word(text: str) -> bool:
 
 def unusable(raw: RawChannel) -> str | None:
     """Say what a channel is instead of a motion or a force, by its name or unit; None where they do not."""
-    if set(words_of(raw.name)) & {*TEMPERATURE}:
+    if WORDS["others"]["temperature"].intersection(words_of(raw.name)):
         return "a temperature"
     other = find_other(raw.unit or "")
     return None if other == VOLTAGE else other
@@ -230,9 +201,9 @@ def column_of(raw: RawChannel) -> str | None:
     words = [word for word in words_of(raw.name) if not word.isdigit()]
     ending = STANDARD_ERROR if {*words} & _OF_ERRORS else ""
     unit = find_unit(raw.unit or "")
-    for quantity, known in WORDS_OF_TABLES.items():
+    for quantity, known in WORDS["tables"].items():
         fits = not unit or quantity in PER_FORCE or unit.dimension == TABLE_DIMENSIONS[quantity]
-        if fits and {*words} & {*known.split()}:
+        if fits and known.intersection(words):
             return quantity + ending
     words = [w for w in words if w not in _OF_AMPLITUDES | _OF_ERRORS]
     words = [w for w in words if len(w) > 1 or w in _MEANINGS]  # F [N], A [g]
@@ -242,6 +213,15 @@ def column_of(raw: RawChannel) -> str | None:
     amplitude = quantity_of(named, among=TABLE_DIMENSIONS) if words else per_force(raw.unit or "")
     amplitude = amplitude or (None if words else by_unit(raw))
     return amplitude and amplitude + ending
+
+
+def is_stepped_sine(file: Table, rules: RecordMapping) -> bool:
+    """Return whether a file is a table of steady responses: by its mapping, or by columns of frequency and phase, and
+    none of times."""
+    if rules.table or rules.channels:
+        return bool(rules.table)
+    held = {column_of(raw) for raw in file.channels}
+    return {"frequency", "phase"} <= held and not any(map(names_time, file.channels))
 
 
 def by_unit(raw: RawChannel) -> str | None:

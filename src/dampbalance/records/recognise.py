@@ -21,10 +21,18 @@ from ..findings.finding import Finding
 from ..project.spelling import spelled
 from ..project.wording import listed, shortened
 from . import errors
-from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
+from .channel import (
+    EXCITATIONS,
+    QUANTITIES,
+    RESPONSES,
+    Channel,
+    Correction,
+    is_loop,
+    sample_times,
+)
 from .clock import Clock, clock_of, left_out
 from .coordinate import TRANSLATION, Coordinate
-from .draft import unclear
+from .draft import question, unclear
 from .errors import RecordError, RecordWarning
 from .guess import BY_UNIT, Guesses, first_of
 from .headings import unit_of
@@ -32,7 +40,6 @@ from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import Table
 from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
-from .untimed import is_loop, of_speeds
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,11 +92,11 @@ def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
     guesses = Guesses(file, mapping)
     rules: Mapping[str, ChannelRule] = mapping.channels
     if not rules:
-        for question in guesses.questions():
-            raise unclear(guesses, question)
+        if open_question := question(guesses):
+            raise unclear(guesses, open_question)
         rules = guesses.rules
     found = {q: guesses.find(of.channel, f"channels.{q}.channel")[0] for q, of in rules.items()}
-    untimed = is_loop(found) and not mapping.free, of_speeds(guesses, found)
+    untimed = is_loop(found) and not mapping.free, guesses.are_steady_speeds(found)
     picks = tuple(_pick(guesses, q, found[q], rules[q], *untimed) for q in QUANTITIES if q in found)
     for said in () if mapping.channels else _said(guesses, picks):
         warnings.warn(RecordWarning(guesses.path, said), stacklevel=2)

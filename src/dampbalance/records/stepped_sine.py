@@ -23,10 +23,9 @@ from .channel import ABSOLUTE, Channel
 from .draft import unclear
 from .errors import RecordError
 from .guess import Guesses
-from .headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
+from .headings import STANDARD_ERROR, column_of, is_stepped_sine, last_part, unit_of, words_of
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
-from .stepped_tables import is_table_of_lines
 from .table import Table
 from .units import (
     PER_FORCE,
@@ -142,7 +141,7 @@ def read_lines(
     missing or wrong, a value that is missing, an amplitude that is not positive, frequencies of a level that turn or
     stand, a constant column, phases in another unit than is stated, lines with phases of another convention.
     """
-    if not (stated or is_table_of_lines(file, rules)):
+    if not (stated or is_stepped_sine(file, rules)):
         return None
     return _Table(file, rules).read(visible(rules.level or label))
 
@@ -172,7 +171,8 @@ class _Table:
         needed |= {drive: drives, f"a response ({', '.join(TABLE_RESPONSES)})": answers}
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            raise unclear(self.guesses, f"finds {listed(wrong)}")
+            each = " of each" * (len(wrong) > 1)
+            raise unclear(self.guesses, f"finds {listed(wrong)}, and needs one{each}")
         self.drive, self.answer = drives[0], answers[0]
         self.decibels: set[str] = set()
         units = (q for q in self.columns if TABLE_DIMENSIONS[q.removesuffix(STANDARD_ERROR)])
@@ -209,7 +209,7 @@ class _Table:
         except UnitError as error:
             words = f"column {shortened(raw.name)}: {error}"
             if not self.rules.table:
-                raise unclear(self.guesses, f"{words}.") from None
+                raise unclear(self.guesses, words) from None
             raise self._error(words) from None
         if quantity == "frequency":
             return 2.0 * math.pi * factor

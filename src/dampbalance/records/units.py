@@ -246,6 +246,14 @@ TABLE_DIMENSIONS |= {"phase": "angle", "level": "", "coherence": "", "averages":
 """Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
 the motion per force; a level, a coherence γ² and how many spectra it averages are numbers without one."""
 
+
+def slot(quantity: str) -> str:
+    """Return the part of a table that a quantity fills: every table has one drive and one response."""
+    if quantity in TABLE_DRIVES:
+        return "drive"
+    return "response" if quantity in TABLE_RESPONSES else quantity
+
+
 _DECIBEL = re.compile(r"db\b\s*(?:re[lf]?\b\.?)?\s*(\d[\d.]*(?:e[+-]?\d+)?)?\s*(.*)", re.IGNORECASE)
 
 
