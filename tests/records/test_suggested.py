@@ -90,6 +90,12 @@ REFUSED = [
     (["Reibkraft", "Geschwindigkeit"], "in which units are", {FORCE: 0, V: 1}),
     (["speed", "ch2"], "what does the column 'ch2'", {V: 0}),
     (["acc", "no", "yes"], "what do the columns 'no' and 'yes'", {BASE_D: 1, A: 0}),
+    # inches or the input, unless another column is an output
+    (
+        ["force [N]", "x_in"],
+        r"'x_in' hold: base_displacement or disp.*\(the .in. at",
+        {FORCE: 0, X: 1},
+    ),
     # either may drive
     (["x [mm]", "CH [m/s²]"], "hold: base_acceleration or acceleration", {BASE_A: 1, X: 0}),
     (["laser [mm]", "laser [mm]"], "hold: base_displacement or disp", {BASE_D: 0, X: 1}),

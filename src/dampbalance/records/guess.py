@@ -25,7 +25,6 @@ from .channel import ABSOLUTE, ACCOMPANYING, EXCITATIONS, OF_LOOP, ORDERS, RESPO
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
-    WORDS,
     axis_of,
     by_unit,
     column_of,
@@ -54,6 +53,7 @@ from .units import (
     slot,
     split_label,
 )
+from .vocabulary import WORDS
 
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
@@ -67,7 +67,7 @@ _BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its 
 _BY_NOTHING = "neither name nor unit says what it is"
 LEVELS = (_BY_NAME, _BY_A_WORD, BY_UNIT, _BY_NOTHING)
 UNNAMED = (BY_UNIT, _BY_NOTHING)
-_OF_MASS = WORDS["bodies"]["mass"]
+_OF_MASS = {*WORDS["bodies"]["mass"]}
 _ROLES = EXCITATIONS, RESPONSES
 _TAKEN = "other channels are taken for drive and response"
 _ONE = 0.1  # relative deviation of a derivative, by its units
@@ -441,7 +441,7 @@ class Guesses:
         return (
             unit.coordinate == ROTATION
             if unit
-            else bool(self._words(i) & WORDS["others"]["rotation"])
+            else bool(self._words(i) & {*WORDS["others"]["rotation"]})
         )
 
     def _apart(self, found: dict[int, Guess], answers: Sequence[int], same: bool) -> list[int]:
