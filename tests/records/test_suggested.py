@@ -13,7 +13,7 @@ from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read
 from dampbalance.records.units import split_label
 from records.drafts import filled, shown
-from records.formats import uff_set, write_uff
+from records.formats import text_file, uff_set, write_uff
 
 T = np.arange(400) / 1000.0
 SIGNALS = [np.cos(40.0 * T + i) + 0.3 * np.sin(91.0 * i * T) for i in range(4)]
@@ -24,11 +24,8 @@ IGNORED = "ignore:.*(channels not used|is taken for the)"
 
 def record(tmp_path, headings):
     """A text file with times and a signal under each heading, separated by tabs."""
-    columns = [T, *SIGNALS[: len(headings)]]
-    rows = ["\t".join(f"{v:.9g}" for v in row) for row in zip(*columns, strict=True)]
-    path = tmp_path / "run.txt"
-    path.write_text("\n".join(["\t".join(["time [s]", *headings]), *rows, ""]), encoding="utf-8")
-    return path
+    columns, head = [T, *SIGNALS[: len(headings)]], "\t".join(["time [s]", *headings])
+    return text_file(tmp_path / "run.txt", [head], columns, "\t")
 
 
 def held(measurement):

@@ -157,7 +157,7 @@ def quantity_of(
         word for word in words if word not in _OTHERS["ignored"] and not word.isdigit()
     ] or words
     words = [word for word in words if not _contradicts(word, raw)]
-    rest = [word for word in words if word not in AXES]  # an axis beside a quantity
+    rest = [word for word in words if word not in AXES]  # an axis next to a quantity
     words = rest if {meanings.get(word) for word in rest} & DIMENSIONS.keys() else words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):

@@ -51,7 +51,7 @@ _RISING = (
     "turns back or stands, but the frequencies of a level must rise or fall; name a column of levels, or delete the "
     "line"
 )
-_MIXED = "follows another convention than most lines: the drive would extract energy; correct its sign or delete it"
+_MIXED = "follows another convention than most lines (the drive would extract energy): correct it, or delete the line"
 _COHERENT = "is no coherence, which lies above 0 and does not exceed 1; check the column, or delete the line"
 
 Place = tuple[str, int]  # group and number of a level in a file

@@ -230,14 +230,13 @@ def _peaks(swing: Array, length: int, least: float, clear: float) -> list[int]:
 
 
 def _frequency(signal: Signal) -> float:
-    """Return the frequency of the motion, Hz: weighted mean over the band with the most energy."""
+    """Return the frequency of the motion, Hz, the weighted mean over the band with the most energy."""
     values = signal.values - signal.values.mean()
     size = values.size
     power = np.abs(np.fft.rfft(values, 1 << (size - 1).bit_length())) ** 2
     f = np.arange(power.size) / (2.0 * (power.size - 1) * signal.dt)
     clear = power > RARE_LINE * size * signal.noise**2
-    # the step of a release lies below; the shortest decay, two half cycles, has as many cycles
-    # a motion that slips in two half cycles has 1.5 cycles in a record
+    # below 1.5 cycles in the record lies the step of a release; a decay that slips in two half cycles has 1.5
     clear[f < 1.5 / (size * signal.dt)] = False
     energy = np.where(clear, power, 0.0)
     energy[1:] *= f[1:] ** (1.0 - signal.order)
@@ -247,14 +246,14 @@ def _frequency(signal: Signal) -> float:
     best = int(np.argmax(band))
     if not band[best] > 0.0:
         raise NoDecay(
-            f"no oscillation in it exceeds the noise; one of fewer than {SAMPLES_A_CYCLE} samples a cycle may be missed"
+            f"no oscillation in it exceeds the noise; with fewer than {SAMPLES_A_CYCLE} samples a cycle one may be lost"
         )
     inside = slice(low[best], high[best])
     return float(np.sum(f[inside] * energy[inside]) / np.sum(energy[inside]))
 
 
 def slope_of(along: Array, values: Array) -> tuple[float, float]:
-    """Return the slope of a straight line and its standard error, for residuals of which neighbours are correlated."""
+    """Return the slope of a straight line and its standard error, for residuals with correlated neighbours."""
     off = along - along.mean()
     slope = float(off @ values / (off @ off))
     left = values - values.mean() - slope * off

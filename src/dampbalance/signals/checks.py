@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -89,7 +88,6 @@ def frequency(
         yield Finding("frequency", numbers, {"": abs(off)})
 
 
-@lru_cache(maxsize=64)
 def _significant_for(freedom: int) -> float:
     """Return the number of standard errors as rare as SIGNIFICANT if they are known with some degrees of freedom."""
     return float(-special.stdtrit(freedom, NEVER))
@@ -231,7 +229,6 @@ def _change(rows: Complexes, weights: Array, parts: float) -> _Change:
     return _Change(chance, grown / abs(mean), turned / abs(mean), noise, shows, bends)
 
 
-@lru_cache(maxsize=8)
 def _slow(size: int) -> Array:
     """Return an orthonormal basis of slow changes, orthogonal to a constant, (rows, 3)."""
     s, first = np.linspace(-1.0, 1.0, size), np.arange(size) < max(1, size // 8)

@@ -107,12 +107,11 @@ def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
     noise = float(np.std(s - smooth)) / math.sqrt(max(1, width))
     largest = float(np.quantile(np.abs(smooth), 0.99))
     band = max(_BAND * largest, 4.0 * noise)
-    if band > _WIDEST * largest:  # noise would cause crossings
-        return np.empty(0), np.empty(0), np.empty(0)
     side = np.where(smooth > band, 1, np.where(smooth < -band, -1, 0))
     outside = np.flatnonzero(side)
     rises = outside[1:][(side[outside[1:]] > 0) & (side[outside[:-1]] < 0)]
-    if rises.size < 2:
+    # in a wider band noise would cause crossings
+    if rises.size < 2 or band > _WIDEST * largest:
         return np.empty(0), np.empty(0), np.empty(0)
     sums = np.concatenate([[[0.0], [0.0]], np.cumsum([s, s**2], axis=1)], axis=1)
     count = np.diff(rises)

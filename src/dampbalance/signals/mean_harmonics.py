@@ -4,7 +4,7 @@ All features are functions of the mean harmonics of base and response, relative 
 
     X_n² = |x_n|² − var x_n              freed of the bias that noise gives a square
     W = −πk Σ n Im(y_n* x_n)             exact by orthogonality, and free of bias as it is: linear in x_n
-    b = πω Σ n²X_n²                      likewise
+    b = πω Σ n²X_n²                      exact by orthogonality, too
     2X = x_max − x_min                   of Σ x_n e^{inωt}, or between the levels of rests (`turning.py`)
     X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`Waveform`)
 
@@ -318,7 +318,7 @@ class Reading:
         phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².   y, w : of the base and its
         velocity, m, m/s.
         """
-        series = self.series(self.mean, np.zeros((self._unknowns, 1)))
+        series = self.series(self.mean)
         cycle = self._cycle(series.n, series.x[0], points)
         y = np.append(np.abs(self.steady.mean(self.steady.Y[:, 1:2])), self.lines.base)
         of_base = self._cycle(np.arange(1.0, y.size + 1.0), y, points)
@@ -337,10 +337,6 @@ class Reading:
         for order, name in enumerate(("x", "v", "acceleration")):
             cycle[name] = ((rate**order * x) @ turned).real
         return cycle
-
-    @property
-    def _unknowns(self) -> int:
-        return 0 if self.waveform is None else len(self.waveform.by_data)
 
     def series(self, means: Means, moved: Array | None = None) -> Series:
         """Return the harmonics of r means of the response: those of the record and, beyond them, odd ones of the

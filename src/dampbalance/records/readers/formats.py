@@ -68,11 +68,8 @@ def checked_format(path: Path) -> Format:
     try:
         size = path.stat().st_size
         if not path.is_file():
-            what = (
-                "a folder; give the files in it"
-                if path.is_dir()
-                else "a pipe or a device, not a file"
-            )
+            what = "a pipe or a device, not a file"
+            what = "a folder; give the files in it" if path.is_dir() else what
             raise RecordError(f"{path}: is {what}")
         with open(path, "rb") as stream:
             # a user block of a few kB may precede HDF5
