@@ -69,7 +69,7 @@ def strikes(values: Array) -> bool:
         return False
     rests, off = blows(values)
     # a blow swings back by at most 0.3 of its peak
-    return rests and min(off.max(), -off.min()) <= 0.3 * np.abs(off).max()
+    return rests and bool(min(off.max(), -off.min()) <= 0.3 * np.abs(off).max())
 
 
 def _is_noise(values: Array) -> bool:

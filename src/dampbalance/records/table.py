@@ -24,7 +24,9 @@ from .errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError, RecordWarnin
 from .units import split_label
 from .vocabulary import WORDS
 
-RATE_NAMES, STEP_NAMES, START_NAMES, UNIT_NAMES = WORDS["fields"].values()
+RATE_NAMES, STEP_NAMES, START_NAMES, UNIT_NAMES = map(
+    WORDS["fields"].__getitem__, ("rate", "step", "start", "unit")
+)
 """Names, in lower case, under which files state sampling rate (Hz), step (s), first time (s) and unit."""
 
 TIMING_NAMES = frozenset((*RATE_NAMES, *STEP_NAMES, *START_NAMES))
