@@ -79,12 +79,9 @@ _DECAYS = "the motion dies out, and nothing names it the drive"
 class Guess:
     """What a column holds.
 
-    quantity : of `QUANTITIES` or `TABLE_DIMENSIONS`; "" for a column that is not read.
-    reason : why, in words.
-    unit : in which it is read; "" if unknown.
-    may : the quantities to choose from if it must be asked.
-    said : what is reported about it.
-    axis : whether it is one of the axes of a sensor.
+    quantity : of `QUANTITIES` or `TABLE_DIMENSIONS`; "" for a column that is not read.   reason : why, in words.
+    unit : in which it is read; "" if unknown.   may : the quantities to choose from if it must be asked.
+    said : what is reported about it.   axis : whether it is one of the axes of a sensor.
     """
 
     quantity: str
@@ -227,10 +224,8 @@ class Guesses:
 
     @cached_property
     def axes(self) -> dict[int, Guess]:
-        """The guesses for sensors with several axes, x, y and z, and for the absolute value of these.
-
-        The axis with the largest standard deviation is read, unless the motion is oblique to all of them.
-        """
+        """The guesses for sensors with axes x, y and z, and their absolute value. The axis with the largest standard
+        deviation is read, unless the motion is oblique to all of them."""
         groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
         for i, raw in enumerate(self.channels):
             for axis, before, behind in axis_of(raw.name):
