@@ -69,6 +69,14 @@ def write_columns(path, columns, matlab_73=False):
     return path
 
 
+def text_file(path, head, columns, delimiter=",", decimal=".", encoding="utf-8", end="\n"):
+    """Write the lines of a head and rows as text; give the path."""
+    rows = (delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist())
+    lines = [*head, *(row.replace(".", decimal) for row in rows), ""]
+    path.write_bytes(end.join(lines).encode(encoding))
+    return path
+
+
 def uff_set(t, name, values):
     quantity, unit, kind = of_name(name)
     return {

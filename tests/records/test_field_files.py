@@ -19,7 +19,7 @@ from dampbalance.records.coordinate import ROTATION
 from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read
 from records.drafts import UNITS, filled, shown
-from records.formats import row, uff_set, write_uff, xlsx
+from records.formats import row, text_file, uff_set, write_uff, xlsx
 
 RATE, N = 20000.0, 2400
 T = np.arange(N) / RATE
@@ -129,12 +129,8 @@ def _several(folder):
 # Heads of instruments
 
 
-def write(folder, head, columns, delimiter=",", encoding="utf-8", end="\n"):
-    """A text file of a head and rows."""
-    rows = (delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist())
-    path = folder / "run.csv"
-    path.write_bytes(end.join([*head, *rows, ""]).encode(encoding))
-    return path
+def write(folder, head, columns, *layout):
+    return text_file(folder / "run.csv", head, columns, *layout)
 
 
 def oscilloscope(folder, *units):
@@ -154,7 +150,7 @@ def logger(folder, delimiter=";"):
     head = [["Timestamp", "2026-03-01 10:00:00"] * 2, ["Interval", "0.00005"] * 2]
     head += [["Channel name", "Base displacement", "Channel name", "Acceleration"]]
     lines = [delimiter.join(cells) for cells in [*head, ["Unit", "mm", "Unit", "g"]]]
-    return write(folder, lines, [T, Y, T, A], delimiter, "utf-8-sig", "\r\n")
+    return write(folder, lines, [T, Y, T, A], delimiter, ".", "utf-8-sig", "\r\n")
 
 
 def counter(folder, *head, name="Channel"):

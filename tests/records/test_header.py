@@ -14,6 +14,7 @@ from dampbalance import BaseMotion, Oscillator, identify, measured_orbit, read_r
 from dampbalance.records.errors import RecordError
 from dampbalance.records.readers import mapping_to_start_from, read
 from records.drafts import filled, shown
+from records.formats import text_file
 
 RATE, G = 2500.0, 9.80665
 T = np.arange(1500) / RATE
@@ -25,13 +26,8 @@ MIXED = {"base_acceleration": G * BASE, "displacement": 1e-3 * MASS}
 F_DRIVES = {"force": BASE, "displacement": 1e-3 * MASS}
 
 
-def write(folder, head, columns, delimiter=",", decimal=".", encoding="utf-8"):
-    """A text file of a head and rows."""
-    rows = [delimiter.join(map(repr, row)) for row in np.column_stack(columns).tolist()]
-    text = "\n".join(rows).replace(".", decimal) if decimal == "," else "\n".join(rows)
-    path = folder / "run.txt"
-    path.write_bytes(f"{head}\n{text}\n".encode(encoding))
-    return path
+def write(folder, head, columns, *layout):
+    return text_file(folder / "run.txt", [head], columns, *layout)
 
 
 def same(path, held, rate=RATE, **options):

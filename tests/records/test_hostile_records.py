@@ -191,16 +191,10 @@ class Trap:
         return Path.touch, (self.path,)
 
 
-ALIASES = "".join(
-    f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in zip("abcdefgh", "bcdefghi", strict=True)
-)
+# what bounds the reading of YAML is tested in project/test_documents.py
 MAPPINGS = [
-    "? [1, 2]\n: 3\n", "- a\n", "a: b: c\n", "\ta\n", "&a {level: *a}\n", "channels: &a {force: *a}\n",
-    "a: &a [1, 1, 1, 1, 1, 1, 1, 1, 1]\n" + ALIASES, "a: " + "[" * 1100 + "]" * 1100, "level: 2020-13-45\n",
-    "channels: [\n", "\xff\xfe", "level: " + "9" * 5000, "level: .nan\n", "level: a\nlevel: b\n", "x" * 5000 + ": 1\n",
-    "".join(f"k{i}: 1\n" for i in range(1000)), "sample_rate_hz: 1.0e-300", "header_lines: " + "9" * 400,
-    "delimiter: ''\n", "frequency_hz: 1.0e+308\n",
-    "channels: {velocity: {channel: 1, scale: 0.0}}",
+    "- a\n", "channels: [\n", "\xff\xfe", "level: " + "9" * 5000, "level: .nan\n", "x" * 5000 + ": 1\n",
+    "".join(f"k{i}: 1\n" for i in range(100)), "channels: {velocity: {channel: 1, scale: 0.0}}",
 ]  # fmt: skip
 
 

@@ -104,15 +104,6 @@ def test_text_layouts(tmp_path, name, text):
     assert_expected(read(path))
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
-def test_encodings(tmp_path, encoding):
-    path = tmp_path / "run.csv"
-    path.write_text("time [s],base [µm],acc [m/s²]\n" + rows(), encoding)
-    found = read(path)
-    np.testing.assert_array_equal(found["base_displacement"].values, Y * 1e-6)
-    np.testing.assert_array_equal(found["acceleration"].values, A)
-
-
 OWN_TIMES = (
     "t1 [s],base [mm],t2 [s],acc [g]\n",  # the nearest to the left
     "base_time [s],base [mm],acc_time [s],acc [g]\n",  # or by name

@@ -13,7 +13,7 @@ from dampbalance.records.errors import RecordError, RecordWarning
 from dampbalance.records.readers import mapping_to_start_from, read
 from dampbalance.records.units import split_label
 from records.drafts import filled, shown
-from records.formats import uff_set, write_uff
+from records.formats import text_file, uff_set, write_uff
 
 T = np.arange(400) / 1000.0
 SIGNALS = [np.cos(40.0 * T + i) + 0.3 * np.sin(91.0 * i * T) for i in range(4)]
@@ -24,11 +24,8 @@ IGNORED = "ignore:.*(channels not used|is taken for the)"
 
 def record(tmp_path, headings):
     """A text file with times and a signal under each heading, separated by tabs."""
-    columns = [T, *SIGNALS[: len(headings)]]
-    rows = ["\t".join(f"{v:.9g}" for v in row) for row in zip(*columns, strict=True)]
-    path = tmp_path / "run.txt"
-    path.write_text("\n".join(["\t".join(["time [s]", *headings]), *rows, ""]), encoding="utf-8")
-    return path
+    columns, head = [T, *SIGNALS[: len(headings)]], "\t".join(["time [s]", *headings])
+    return text_file(tmp_path / "run.txt", [head], columns, "\t")
 
 
 def held(measurement):
@@ -90,6 +87,12 @@ REFUSED = [
     (["Reibkraft", "Geschwindigkeit"], "in which units are", {FORCE: 0, V: 1}),
     (["speed", "ch2"], "what does the column 'ch2'", {V: 0}),
     (["acc", "no", "yes"], "what do the columns 'no' and 'yes'", {BASE_D: 1, A: 0}),
+    # inches or the input, unless another column is an output
+    (
+        ["force [N]", "x_in"],
+        r"'x_in' hold: base_displacement or disp.*\(the .in. at",
+        {FORCE: 0, X: 1},
+    ),
     # either may drive
     (["x [mm]", "CH [m/s²]"], "hold: base_acceleration or acceleration", {BASE_A: 1, X: 0}),
     (["laser [mm]", "laser [mm]"], "hold: base_displacement or disp", {BASE_D: 0, X: 1}),

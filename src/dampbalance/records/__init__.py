@@ -1,1 +1,1 @@
-"""Records of measurements: channels, units, mapping; read from the files of laboratories and written to them."""
+"""Measured records: channels, units and mappings, read from files of laboratories and written to them."""

@@ -1,9 +1,9 @@
-"""A channel of a record: what it may hold, its samples, and what its transducer and filters are known to do to them."""
+"""A channel of a record: what it may hold, its samples, and the known effect of its transducer and filters."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,29 +18,37 @@ from .errors import LARGEST_VALUE, LATEST, RecordError
 ABSOLUTE = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s²"}
 """Motions of the mass against the ground."""
 EXCITATIONS = {f"base_{quantity}": unit for quantity, unit in ABSOLUTE.items()} | {"force": "N"}
-"""Excitations: one of these drives the oscillator, none in a free decay; a force f stands for a base motion y = f/k."""
+"""Excitations: one of these drives the oscillator, none in a free decay. A force f acts like a base motion y = f/k."""
 
 RELATIVE = {f"relative_{quantity}": unit for quantity, unit in ABSOLUTE.items()}
-"""Motions of the mass relative to the base, x − y, which a transducer between the two reads."""
+"""Motions of the mass relative to the base, x − y, as a transducer between the two measures."""
 
 RESPONSES = ABSOLUTE | RELATIVE
-"""Responses of the mass, at least one of these. Where a force drives, and in a free decay, the base is at rest and a
-relative motion is an absolute one."""
+"""Responses of the mass; a record holds at least one. In a free decay and where a force drives, the base is at rest, so
+that a relative motion is an absolute one."""
 
 OF_FORCE = {"force_standard_error": "N"}
 """A column of a table of steady speeds: the standard error of its forces."""
 
 ACCOMPANYING = {"normal_force": "N"} | OF_FORCE
-"""What stands beside motion and friction: the force that presses a contact together, and the error of a force."""
+"""Columns that accompany motion and friction: the force that presses a contact together, and the error of a force."""
 
 QUANTITIES = EXCITATIONS | RESPONSES | ACCOMPANYING
 """Every quantity that a channel may hold, with the SI unit of its values."""
 
+OF_LOOP = "displacement", "force"
+"""What a measured loop consists of."""
+
 ROTATING = {ROTATION.key(quantity): quantity for quantity in EXCITATIONS | RESPONSES | OF_FORCE}
-"""Quantities of a record that rotates, angle, torque, …, and what each stands for in the equations of a translation."""
+"""Quantities of a record that rotates, angle, torque, …, and the quantity of a translation that each replaces."""
 
 ORDERS = {q: [*ABSOLUTE.values()].index(unit) for q, unit in QUANTITIES.items() if unit != "N"}
 """Order of the time derivative of each motion: 0 for a displacement, 2 for an acceleration."""
+
+
+def is_loop(quantities: Iterable[str]) -> bool:
+    """Return whether a record of these quantities is a measured loop, which needs no times."""
+    return {*OF_LOOP} <= {*quantities} <= {*OF_LOOP, "velocity", *ACCOMPANYING}
 
 
 def sample_times(rate_hz: float, start: float, first: int, count: int) -> Array:
@@ -68,7 +76,7 @@ class Correction:
     with the poles p of its low-pass filter and q of its high-pass filter. A Butterworth filter of order n has its poles
     on the circle of its corner, 2πf e^{iπ(2j + n + 1)/(2n)}, j = 0 … n − 1. Harmonics divided by H are those of the
     signal.   gain : G.   delay : d, s.   low_pass, high_pass : p and q, rad/s, each with its conjugate.
-    gain_error, delay_error : their standard uncertainties, which intervals hold.
+    gain_error, delay_error : their standard uncertainties, which widen the intervals.
     """
 
     gain: float = 1.0
@@ -84,7 +92,7 @@ class Correction:
         return bool(self.delay or self.delay_error or self.low_pass or self.high_pass)
 
     def response(self, omega: ArrayLike) -> Complexes:
-        """Return H(iω) at any ω, rad/s; where a high-pass filter lets nothing through (ω = 0), without it."""
+        """Return H(iω) at any ω, rad/s; at ω = 0 without the high-pass filter, which would pass nothing."""
         s = 1j * np.asarray(omega, dtype=np.float64)
         response: Complexes = self.gain * np.exp(-s * self.delay)
         for p in self.low_pass:
@@ -94,10 +102,10 @@ class Correction:
         return response
 
     def undone(self, values: Array, dt: float) -> Array:
-        """Return samples as they were before gain and filters, to a slow drift; the delay belongs to their times.
+        """Return samples as they were before gain and filters, except for a slow drift; the delay belongs to the times.
 
-        What a filter lets through by less than a fifth is left out: the inverse would show noise alone there. The
-        samples are continued by their mirror image, so that the ends of a signal that moves do not ring.
+        Frequencies that a filter passes by less than a fifth are left out, since the inverse would show only noise
+        there. The samples are continued by their mirror image, so that the ends of a moving signal do not ring.
 
         values : in steps of dt, s, (n,).
         """
@@ -107,7 +115,7 @@ class Correction:
         omega = 2.0 * math.pi * np.fft.rfftfreq(both.size, dt)
         response = self.response(omega) * np.exp(1j * omega * self.delay)
         with np.errstate(over="ignore"):
-            # below a fifth of its gain the inverse of a filter shows noise; steep, so that the band of motion is exact
+            # steep, so that the band of the motion is exact
             taper = 1.0 / (1.0 + (0.2 / np.abs(response / self.gain)) ** 8)
         before = np.fft.irfft(np.fft.rfft(both) * taper / response, both.size)
         return np.asarray(before[: values.size])
@@ -117,15 +125,15 @@ class Correction:
 class Channel:
     """One signal: read-only arrays t (s) and values (SI unit of its quantity), shape (n,), n ≥ 2.
 
-    quantity : one of `QUANTITIES`; one of `ROTATING` becomes the one that it stands for, of a channel that rotates.
-    name : what the file calls it, for messages.   correction : that its harmonics need yet; None for none.
-    coordinate : whether it rotates; its values are in rad or N m then.
+    quantity : one of `QUANTITIES`; one of `ROTATING` is replaced by the one of a translation, and the channel rotates.
+    name : in the file, for messages.   correction : the known effect of the channel, not yet removed; None for none.
+    coordinate : whether it rotates; the values are then in rad or N m.
     missing : mask of the samples that the record lacks, whose values are interpolated; None for none.
-    timed : whether t are times; else numbers of the samples, of a measured loop without times or of steady speeds.
-    factor : SI units per reading of the file, 9.80665 of one in g.
+    timed : whether t are times; otherwise numbers of the samples, in a loop without times or a table of steady speeds.
+    factor : SI units per reading of the file, 9.80665 for one in g.
 
-    Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond all
-    bounds (`records/errors.py`), times that do not increase, have a gap, or are off equal steps by half a step.
+    Raises ValueError naming the channel: unknown quantity, unequal lengths, a value that is not finite or beyond the
+    bounds of `records/errors.py`, times that do not increase, have a gap, or are off equal steps by half a step.
     """
 
     quantity: str
@@ -187,8 +195,8 @@ class Channel:
         return self.coordinate.unit(QUANTITIES[self.quantity])
 
     def corrected(self) -> Channel:
-        """Return the channel with its known gain, delay and filters taken off its samples; what is left of its
-        correction are the uncertainties."""
+        """Return the channel with its known gain, delay and filters removed from the samples; of the correction, the
+        uncertainties remain."""
         if (known := self.correction) is None:
             return self
         values = known.undone(self.values, 1.0 / mean_rate(self.t))
@@ -196,11 +204,9 @@ class Channel:
         return replace(self, t=self.t - known.delay, values=values, correction=left)
 
 
-def require_one_coordinate(source: str, coordinates: Mapping[str, Coordinate]) -> None:
-    """Raise RecordError where some channels rotate and others do not.   coordinates : by the names of the channels."""
-    first: dict[Coordinate, str] = {}
-    for name, coordinate in coordinates.items():
-        first.setdefault(coordinate, name)
+def require_one_coordinate(source: str, coordinates: dict[str, Coordinate]) -> None:
+    """Raise RecordError if some channels rotate and others do not.   coordinates : by the names of the channels."""
+    first = {coordinate: name for name, coordinate in reversed(coordinates.items())}
     if len(first) > 1:
         raise RecordError(
             f"{source}: {first[ROTATION]!r} rotates and {first[TRANSLATION]!r} moves along a line, and a record does "

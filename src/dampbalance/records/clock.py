@@ -1,16 +1,15 @@
 """The clock of a record: from the times that a logger wrote to samples in equal steps.
 
-A row of a table has a number, its place in equal steps from the first sample on, and that is all that differs between
-the clocks that files have:
+Each row of a table gets a number, its place in equal steps counted from the first sample:
 
-- equal steps, or stamps with too few digits: rows are numbered in their order. Digits that are lost are given back by
-  the straight line through the times;
-- rows that a logger lost, or a lower rate for a while: numbers are whole, and some are missing;
-- jitter, a clock that drifts, two rates, a row for each tick of an encoder: numbers are not whole, and samples at whole
-  ones are interpolated.
+- equal steps, or time stamps with too few digits: rows are numbered in order, and a straight line through the stamps
+  restores the digits;
+- rows that a logger lost, or a lower rate for a while: the numbers are integers, and some are missing;
+- jitter, a drifting clock, two rates, a row for each tick of an encoder: the numbers are not integers, and the samples
+  at integers are interpolated.
 
-What the times allow, the signals decide, as they go on smoothly where their times are right. No sample is invented: one
-in a gap is missing.
+Where the times leave it open, the signals decide, since they are smooth if their times are right. No sample is
+invented: one in a gap is missing.
 """
 
 from __future__ import annotations
@@ -26,27 +25,25 @@ from ..findings.finding import Finding
 from .equal_steps import GRID_TOLERANCE, HALF_A_STEP, uneven
 from .errors import HIGHEST_RATE, LOWEST_RATE, RecordError
 
-_GAP = 1.5  # usual intervals, from which on samples are missing
-_MOST, _WIDEST = (
-    0.95,
-    2.0,
-)  # part of the intervals that are usual, where they are no wider, in steps
-_LONG = 10  # steps, from which on the clock may have jumped instead
-_APART = 3  # rows at an end that a pause of this kind parts from the others
-_LARGEST = 20  # samples for each row: a longer gap parts two records
-_MAX_RATE_ERROR = 1e-2  # a hundred times a common one; c has the same
-_AROUND = 8  # samples on either side of a place, which a polynomial describes
-_PLACES = 100  # where signals are compared with their times
-_CLEAR = 5.0  # log-likelihood ratio of a decision
+_GAP = 1.5  # usual intervals; samples are missing in a longer one
+# quantile of the intervals that is the usual one, and its largest value in steps
+_USUAL, _WIDEST = 0.95, 2.0
+_LONG = 10  # steps; in a longer interval the clock may have jumped instead
+_APART = 3  # most rows at an end that are dropped because a long pause separates them
+_LARGEST = 20  # samples per row; a longer gap separates two records
+_MAX_RATE_ERROR = 1e-2  # relative; a hundred times a common one, and c has the same
+_AROUND = 8  # samples on either side of a place that a polynomial is fitted to
+_PLACES = 100  # places at which signals are compared with their times
+_CLEAR = 5.0  # log-likelihood ratio of a clear decision
 _SHOWN = 3  # places that a message lists
 
 
 @dataclass(frozen=True, eq=False)
 class Clock:
-    """Samples in equal steps of what the rows of a table hold.
+    """Sampling times in equal steps, and the place of each row of a table among them.
 
-    t : s, (n,).   rows : that count, (r,).   number : of each in steps from t_0 on, (r,).   gap : samples that lie in
-    gaps, (n,).   findings : what is odd about the times.
+    t : s, (n,).   rows : indices of the rows that are used, (r,).   number : place of each, in steps from t_0, (r,).
+    gap : mask of the samples in gaps, (n,).   findings : what is odd about the times.
     """
 
     t: Array
@@ -57,16 +54,16 @@ class Clock:
 
     @classmethod
     def plain(cls, t: Array) -> Clock:
-        """Return the clock of rows that are in equal steps as they stand."""
+        """Return the clock of rows that are in equal steps already."""
         rows = np.arange(t.size)
         return cls(t, rows, rows.astype(np.float64), np.zeros(t.size, dtype=np.bool_))
 
     def onto(self, signal: Array) -> tuple[Array, Mask | None]:
-        """Return the samples of a signal, and the mask of those that are missing, None for none. These have values,
-        too, which pictures and spectra need.
+        """Return the samples of a signal, and the mask of those that are missing, None for none. Missing samples have
+        interpolated values, which pictures and spectra need.
 
-        A row at a sample gives it; between rows is a cubic spline. The signal of an encoder, with a row for each tick,
-        is half a tick behind at each row, and less than half a tick off the last row between two: both are used.
+        Between rows the signal is a cubic spline. With a row for each tick of an encoder, the count is half a tick
+        behind at each row and within half a tick of the last row in between; both are used.
         """
         number, values, at = self.number, signal[self.rows], np.arange(self.t.size)
         if np.array_equal(number, at) and not np.isnan(values).any():
@@ -92,11 +89,11 @@ class Clock:
 def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int], str]) -> Clock:
     """Return the clock of times, s, (n,), NaN for an empty cell.
 
-    signals : that share them.   name : of the times, for messages.   place : where a row, counted from 0, stands in the
-    file.
+    signals : sampled at these times.   name : of the times, for messages.   place : gives the place in the file of a
+    row, counted from 0.
 
-    Raises RecordError with all that is wrong with the times: they go back, jump while the signals go on, have a gap
-    without end, too few digits, or steps that no recorder has.
+    Raises RecordError if the times go back, jump while the signals go on, have too long a gap, too few digits, or steps
+    that no recorder has.
     """
     copies = _copies(t, signals)
     rows = np.flatnonzero(np.isfinite(t) & ~copies)
@@ -117,7 +114,7 @@ def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int
     step = max(step, float(np.ptp(t)) / (_LARGEST * t.size)) if ticks else step
     number, grid, odd = _numbered(t, order - order[0], signals, step, name, ticks)
     steps = np.diff(number)
-    longest = _GAP * min(max(float(np.quantile(steps, _MOST)), 1.0), _WIDEST)
+    longest = _GAP * min(max(float(np.quantile(steps, _USUAL)), 1.0), _WIDEST)
     wide = np.flatnonzero((steps > longest) & (not ticks))
     long = wide[(steps[wide] > _LONG) | (wide.size <= _SHOWN)]
     jumps = np.array([i for i in long.tolist() if _goes_on(signals, number, i)], dtype=np.intp)
@@ -143,9 +140,9 @@ def clock_of(t: Array, signals: Sequence[Array], name: str, place: Callable[[int
 def left_out(
     code: str, channel: str, rows: Integers, place: Callable[[int], str], count: int = 0
 ) -> list[Finding]:
-    """Return the finding that rows are left out of a channel, with the places of the first; none for no rows.
+    """Return the finding that rows of a channel are left out, with the first places; none if there are no rows.
 
-    count : of the samples that this makes, where it is not that of the rows.
+    count : number of samples left out, if it differs from that of the rows.
     """
     places = [place(int(i)) for i in rows[:_SHOWN]] + ["…"] * (rows.size > _SHOWN)
     count = count or rows.size
@@ -154,13 +151,13 @@ def left_out(
 
 
 def _usual_step(t: Array) -> float:
-    """Return the median of the mean steps of 100 rows, which few digits, few gaps and jitter leave alone."""
+    """Return the median of the mean steps over 100 rows, which rounding, a few gaps and jitter do not affect."""
     m = min(100, max(1, t.size // 4))
     return float(np.median(t[m:] - t[:-m])) / m
 
 
 def _tick(signal: Array) -> float:
-    """Return the step of a signal that has a row for each tick of an encoder; 0 for any other signal."""
+    """Return the tick of an encoder that has a row for each tick; 0 for any other signal."""
     steps = np.abs(np.diff(signal))
     tick = float(np.median(steps)) if steps.size and not np.isnan(steps).any() else 0.0
     alike = np.abs(steps - tick) < 0.01 * tick
@@ -169,8 +166,10 @@ def _tick(signal: Array) -> float:
 
 
 def _copies(t: Array, signals: Sequence[Array]) -> Mask:
-    """Return which rows are there twice: with the time and the values of the row before, if these are all whose time
-    does not move on, or a last group of them that is longer than any other of equal times."""
+    """Return the mask of rows that repeat the time and the values of the row before.
+
+    They count only if no other rows share a time, or if they are the last rows and more than those of any other time.
+    """
     kept = np.flatnonzero(np.isfinite(t))
     stops = np.diff(t[kept], prepend=np.nan) == 0.0
     again = stops & np.all([one[kept] == np.roll(one[kept], 1) for one in signals], axis=0)
@@ -185,7 +184,7 @@ def _copies(t: Array, signals: Sequence[Array]) -> Mask:
 
 
 def _joined(t: Array, step: float) -> slice:
-    """Return the rows without a few at either end that a long pause, either way, parts from the others."""
+    """Return the rows without the few at either end that a long pause separates from the others."""
     if t.size < 4 * _APART:
         return slice(None)
     steps = np.abs(np.diff(t))
@@ -195,7 +194,7 @@ def _joined(t: Array, step: float) -> slice:
 
 
 def _steps(t: Array, which: Integers, rows: Integers, place: Callable[[int], str]) -> str:
-    """Return the first of some steps of the time, with their places."""
+    """Return the first steps of some, with their places, as a text."""
     shown = [
         f"from {t[i]:.9g} s to {t[i + 1]:.9g} s at {place(int(rows[i + 1]))}"
         for i in which[:_SHOWN].tolist()
@@ -206,7 +205,7 @@ def _steps(t: Array, which: Integers, rows: Integers, place: Callable[[int], str
 def _require_increase(
     t: Array, rows: Integers, step: float, name: str, place: Callable[[int], str]
 ) -> None:
-    """Raise RecordError where times go back, with the places where they pause as well."""
+    """Raise RecordError if times go back, naming these places and those of pauses."""
     steps = np.diff(t)
     back, pauses = np.flatnonzero(steps < 0.0), np.flatnonzero(steps > _LONG * abs(step))
     if not back.size:
@@ -226,7 +225,7 @@ def _require_increase(
 
 
 def _closed(number: Array) -> Array:
-    """Return the numbers of rows with all gaps closed to a step."""
+    """Return the numbers of rows with each gap closed to one step."""
     steps = np.diff(number)
     return np.append(0.0, np.cumsum(np.where(steps > _GAP, 1.0, steps)))
 
@@ -234,13 +233,13 @@ def _closed(number: Array) -> Array:
 def _numbered(
     t: Array, order: Array, signals: Sequence[Array], step: float, name: str, ticks: bool
 ) -> tuple[Array, Array, list[Finding]]:
-    """Return the numbers of rows, times in equal steps from the first whole number on, and what is odd about them.
+    """Return the numbers of rows, times in equal steps from the first integer on, and what is odd about the times.
 
-    Whole numbers of steps, with some missing, the mere order of rows with too few digits, or numbers as the times have
-    them. A row that is missing, and a clock that jumps or is rounded, may have the same times: there the signals say
-    which it is.
+    The numbers are integers, some of which may be missing; the order of rows whose times have too few digits; or
+    real numbers, as the times say. A missing row and a clock that jumps or is rounded may show the same times; the
+    signals then decide.
 
-    t : increases, s.   order : of the rows.   step : usual one, s.   ticks : whether each row is a tick of an encoder.
+    t : increasing, s.   order : of the rows.   step : usual one, s.   ticks : whether each row is a tick of an encoder.
     """
     steps = np.diff(t)
     usual = steps[np.abs(steps - step) < HALF_A_STEP * step]
@@ -272,15 +271,14 @@ def _numbered(
 
 
 def _counted(at: Array) -> Array | None:
-    """Return whole numbers near times in steps, which increase; None for none."""
+    """Return increasing integers near times in steps; None if there are none."""
     at = np.rint(np.polyval(np.polyfit(at, np.rint(at), 1), at))
     most = _LARGEST * at.size
     return at - at[0] if np.diff(at).min() >= 1.0 and at[-1] - at[0] < most else None
 
 
 def _likelier(signals: Sequence[Array], one: Array, other: Array, places: Integers) -> float:
-    """Return by how much samples around some rows are likelier with numbers of one kind than with those of another, as
-    a log-likelihood ratio."""
+    """Return the log-likelihood ratio of the samples around some rows, numbered in one way or in another."""
     ratios = [
         _rough(signal, other, i) - _rough(signal, one, i)
         for signal in signals
@@ -290,7 +288,8 @@ def _likelier(signals: Sequence[Array], one: Array, other: Array, places: Intege
 
 
 def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
-    """Return minus the log-likelihood of the samples around row i, by what a polynomial leaves of them; NaN for few."""
+    """Return the negative log-likelihood of the samples around row i, from the residual of a polynomial; NaN if there
+    are few samples."""
     own = slice(max(0, i + 1 - _AROUND), i + 1 + _AROUND)
     values = signal[own] - signal[min(i, signal.size - 1)]
     size = float(np.abs(values).max(initial=0.0))
@@ -302,7 +301,8 @@ def _rough(signal: Array, number: Array, i: int, degree: int = 2) -> float:
 
 
 def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
-    """Return whether signals go on after a gap as smoothly as before and after it if it is closed, less so if not."""
+    """Return whether signals are as smooth across a gap as before and after it if the gap is closed, but not if it is
+    left open."""
     closed, breaks = _closed(number), list[float]()
     for one in signals:
         own, before, after = (_rough(one, closed, j, 4) for j in (i, i - _AROUND, i + _AROUND))
@@ -312,13 +312,12 @@ def _goes_on(signals: Sequence[Array], number: Array, i: int) -> bool:
 
 
 def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]] | None:
-    """Return the times of all whole numbers, s, where those of rows are in equal steps; None where they are not.
+    """Return the times of all integers, s, if the rows are in equal steps; None if they are not.
 
-    Times that are rounded to too few digits, as stamps in ms of 20,000 samples a second are, are t_i = t_0 + i Δt by
-    least squares, with a finding that bounds the relative error of Δt. They are if none is further from the line than
-    the resolution q, by which the two shortest kinds of steps differ. Rounding errors of up to q/2 put the slope off by
-    3q/2T at the most, T being the length of the record; they rarely conspire like that, and a hundredth of it is
-    common.
+    Times with too few digits, as stamps in ms of 20,000 samples a second, are replaced by t_i = t_0 + i Δt from least
+    squares, with a finding that bounds the relative error of Δt. They are taken as rounded if none is further from the
+    line than the resolution q, by which the two shortest kinds of steps differ. Rounding errors of up to q/2 change the
+    slope by 3q/2T at most, T being the length of the record; a hundredth of that is common.
     """
     every = np.arange(int(number[-1]) + 1)
     even = np.interp(every, number, t)
@@ -340,7 +339,7 @@ def _on_a_line(t: Array, number: Array, name: str) -> tuple[Array, list[Finding]
 
 
 def _apart(t: Array) -> Array:
-    """Return times of which groups are equal, spread until the next group."""
+    """Return times with each group of equal ones spread evenly until the next group."""
     first = np.flatnonzero(np.diff(t, prepend=-np.inf) > 0.0)
     if first.size == t.size:
         return t
@@ -353,13 +352,13 @@ def _apart(t: Array) -> Array:
 def _interpolation_error(clock: Clock, signal: Array) -> float:
     """Return a bound on the error of interpolated samples, relative to the signal (rms).
 
-    A cubic spline through samples at most h apart is off a harmonic of ω by (5/384) (ωh)⁴ of its amplitude at the most,
-    whatever the intervals are (Hall and Meyer 1976), and never by much more than all of it. Further intervals matter
-    little, each by a quarter of the one before, so that h is the longest of five here. Each harmonic of the spectrum of
-    the samples counts with the part of the time that the intervals of each length fill. White noise is in it, too, so
-    that the bound is not below its part at high frequencies. Of an encoder it is half a tick.
+    For a harmonic of ω, a cubic spline through samples at most h apart has an error of at most (5/384) (ωh)⁴ of the
+    amplitude, whatever the intervals (Hall and Meyer 1976), and never much more than the amplitude. The influence of
+    further intervals falls by four with each, so that h is the longest of five. Each harmonic of the spectrum is
+    weighted by the share of the time that intervals of each length fill. The spectrum includes white noise, so that the
+    bound is not below its part at high frequencies. For an encoder the error is half a tick.
 
-    A gain of that size is the worst that it means for the numbers; errors that differ from sample to sample are noise,
+    At worst the error acts on the numbers like a gain of that size; errors that differ from sample to sample are noise,
     which the fit sees.
     """
     from scipy.ndimage import maximum_filter1d  # slow to import

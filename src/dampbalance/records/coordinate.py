@@ -1,8 +1,8 @@
-"""The coordinate of a record, a displacement or an angle: this is the one place that knows both sets of units.
+"""The coordinate of a record, a displacement or an angle, with the names and units that belong to it.
 
 An oscillator that rotates obeys the equations of one that moves along a line, with an angle for the displacement, a
-torque for the force and a moment of inertia for the mass. Both sets of units are coherent, so that every number keeps
-its digits, and only names change. Inside the package the names of a translation stand for both; names are exchanged
+torque for the force and a moment of inertia for the mass. Both sets of units are coherent, so that only names change
+and every number keeps its digits. Inside the package the names of a translation stand for both; names are exchanged
 where units are read and where results are shown.
 """
 
@@ -33,7 +33,7 @@ _NOUNS = {
 
 @dataclass(frozen=True, slots=True)
 class Coordinate:
-    """The kind of a coordinate, `TRANSLATION` or `ROTATION`, which names quantities, symbols and units.
+    """The coordinate of a motion, `TRANSLATION` or `ROTATION`, and its names of quantities, symbols and units.
 
     name : "translation" or "rotation".
     """
@@ -41,7 +41,7 @@ class Coordinate:
     name: str
 
     def unit(self, unit: str) -> str:
-        """Return the unit that belongs to a unit of a translation: N m for N, N m/rad for N/m, kg m² for kg, mrad for
+        """Return the unit that replaces one of a translation: N m for N, N m/rad for N/m, kg m² for kg, mrad for
         mm."""
         if self == TRANSLATION or "rad" in unit or unit in ("N m", "kN m", "kg m²"):
             return unit
@@ -54,8 +54,8 @@ class Coordinate:
         return "J" if symbol == "m" else f"T{symbol[1:]}" if symbol.startswith(_FORCES) else symbol
 
     def noun(self, noun: str) -> str:
-        """Return a noun, or the name of a quantity: angle for displacement, base_angle for base_displacement; anything
-        else as it is."""
+        """Return the noun or quantity that replaces one of a translation: angle for displacement, base_angle for
+        base_displacement; any other noun unchanged."""
         if self == TRANSLATION or "angular" in noun:
             return noun
         if "_" not in noun:
@@ -82,7 +82,7 @@ class Coordinate:
         return f"${drawn}$ ({self.unit(unit)})"
 
     def document(self, value: Any, names: Collection[str] = ()) -> Any:
-        """Return plain data with the keys and the symbols of the coordinate.   names : keys that stay, as those of
+        """Return a document with the keys and symbols of the coordinate.   names : keys that stay, such as names of
         records."""
         if self == TRANSLATION:
             return value
@@ -103,4 +103,4 @@ ROTATION = Coordinate("rotation")
 
 _UNITS = "N, N/m, N/m², N/m³, N s/m, N s²/m², N s³/m³, kg, m, m/s, m/s², m²/s, m³/s², m⁴/s³"
 _KEYED = {named_with_unit("", unit): unit for unit in _UNITS.split(", ")}
-"""Units that columns and keys are named with, by how they are written there."""
+"""Units by the way in which names of columns and keys end."""

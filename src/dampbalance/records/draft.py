@@ -1,5 +1,5 @@
-"""The guesses about a file as a mapping in YAML, each line with its reason and a blank where nothing tells what to
-write: what `--write-mapping` writes and a refusal shows."""
+"""What is asked about a file, and the guesses about it as a mapping in YAML: each line has a reason, and a blank stands
+for what the file does not state. A refusal shows both; `--write-mapping` writes the mapping."""
 
 from __future__ import annotations
 
@@ -10,28 +10,87 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..project.spelling import spelled
 from ..project.wording import listed
-from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES
+from . import samples
+from .channel import ABSOLUTE, EXCITATIONS, QUANTITIES, RESPONSES, is_loop
 from .errors import RecordError
-from .guess import ANGLE, LISTED, RESPONSE, UNNAMED, Guesses
-from .headings import STANDARD_ERROR, of_level, unit_of
+from .guess import ANGLE, LEVELS, LISTED, UNNAMED, Guesses
+from .headings import STANDARD_ERROR, by_unit, column_of, names_time, of_level, unit_of
 from .mapping import BLANK
-from .stepped_tables import is_response
-from .units import DIMENSIONS, PER_FORCE, TABLE_DIMENSIONS, find_motion, find_other, find_unit
-from .untimed import is_loop, of_speeds
+from .units import (
+    DIMENSIONS,
+    PER_FORCE,
+    TABLE_DIMENSIONS,
+    TABLE_DRIVES,
+    find_motion,
+    find_other,
+    find_unit,
+)
 
 # words that YAML takes for others
 _YAML_WORDS = ("y", "n", "yes", "no", "on", "off", "true", "false", "null")
 _KEPT = "delimiter decimal header_lines sample_rate_hz frequency_hz level notes force_N"
-"""Keys of a mapping that stay in the one suggested."""
+"""Keys that a draft takes over from the mapping that there is."""
+
+_RESPONSE = (
+    "this is a frequency response, one level of a stepped sine: state the amplitude of its force, force_N, in a "
+    "mapping for each level, or give the records in time"
+)
+_HALF_TURN = 181.0  # deg, up to which a phase goes
+
+
+def question(of: Guesses) -> str:
+    """Return what must be answered first before a file can be read; "" where nothing is open."""
+    held = {g.quantity: i for i, g in of.all.items() if g.quantity}
+    asked = [i for i, g in of.all.items() if g.may]
+    if _is_response(of):
+        return _RESPONSE
+    if not held.keys() & {*RESPONSES} and not asked:
+        return (
+            f"finds no response: name one of {', '.join(ABSOLUTE)}; its columns are {of.overview}."
+        )
+    if asked:
+        may = listed([*dict.fromkeys(q for i in asked for q in of.all[i].may)], "or")
+        why = dict.fromkeys(of.all[i].reason for i in asked if of.all[i].reason not in LEVELS)
+        because = f" ({'; '.join(why)})" if why else ""
+        names = listed([of.names[i] for i in asked[:LISTED]])
+        verb = "do the columns" if len(asked) > 1 else "does the column"
+        free = f" If it is a free decay, give {spelled('kind', 'ring-down')}."
+        return f"what {verb} {names} hold: {may}{because}?" + free * ("base_" in may)
+    if unknown := [of.names[i] for i in held.values() if not of.all[i].unit]:
+        return f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
+    unknown = [of.names[i] for i in held.values() if math.isnan(of.channels[i].scale)]
+    return f"what is the scale of {listed(unknown)}?" if unknown else ""
+
+
+def _is_response(of: Guesses) -> bool:
+    """Return whether the columns are a frequency response: frequencies and phases, but no times and no drive."""
+    named = [column_of(raw) for raw in of.channels]
+    driven = TABLE_DRIVES.keys() & {*named} or "force" in map(by_unit, of.channels)
+    if driven or of.mapping.force_N or any(map(names_time, of.channels)):
+        return False
+    frequency = phase = False
+    for i, values in of.values.items():
+        values = values[np.isfinite(values)]
+        even = samples.equal_step(values) is not None
+        if even or not of.per_force:  # or else a stepped sine at a force to be stated
+            rises = even and of.channels[i].unit is None and len(named) > 2
+            # a frequency response goes up to 1 kHz or more
+            frequency |= named[i] == "frequency" or (rises and bool(values[-1] >= 1000.0))
+        turns = values.size and np.abs(values).max() <= _HALF_TURN
+        turns = turns and np.ptp(values) > 0.5 * _HALF_TURN and not even
+        phase |= named[i] == "phase" or bool(turns)
+    return frequency and phase
 
 
 def unclear(of: Guesses, what: str) -> RecordError:
-    """Return the error for a file that something must be said of: what it is, and the mapping to write."""
+    """Return the error for a file that leaves something open: what that is, and the mapping to write."""
+    response = _is_response(of)
     if of.stepped:
-        what = f"{RESPONSE} ({what})" if is_response(of) else what
-        what += f"; a table has a frequency, a drive, a response and a phase. Its columns are {of.overview}."
-    shown = [] if what.startswith(RESPONSE) else [*draft(of)]
+        what = f"{_RESPONSE} ({what})" if response else what
+        what += f". Its columns are {of.overview}."
+    shown = [] if response else [*draft(of)]
     here = "" if of.mapping.source else " (--write-mapping writes it)"
     if shown:
         what = "\n  ".join([f"{what} Say it in {of.where}{here}, for example", *shown])
@@ -39,7 +98,7 @@ def unclear(of: Guesses, what: str) -> RecordError:
 
 
 def draft(of: Guesses) -> Iterator[str]:
-    """Yield the lines of the mapping, and the columns left out; nothing where no column may be of use."""
+    """Yield the lines of the mapping and comments on the columns left out; nothing if no column can be used."""
     chosen = {g.quantity: i for i, g in reversed(of.all.items()) if g.quantity}
     driving, asked = {*chosen} & {*EXCITATIONS}, [i for i, g in of.all.items() if g.may]
     if not (chosen or asked):
@@ -70,7 +129,7 @@ def draft(of: Guesses) -> Iterator[str]:
     if not of.stepped:
         may_be = {q: i for i, g in of.all.items() for q in (g.quantity, *g.may) if q}
         loop = is_loop(may_be) and not of.mapping.free
-        yield from _time(of, loop or of_speeds(of, may_be))
+        yield from _time(of, loop or of.are_steady_speeds(may_be))
     elif of.per_force and not driving and not of.mapping.force_N:
         yield f'force_N: "{BLANK}"  # the amplitude of the force: the file has none'
     read = {of.keys[i] for i in chosen.values()} if of.stepped else set()  # of all levels
@@ -85,7 +144,7 @@ def draft(of: Guesses) -> Iterator[str]:
 
 
 def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
-    """Return the unit and scale of a column in the mapping, and a remark on them."""
+    """Return unit and scale of a column as keys of the mapping, and a remark on them."""
     raw = of.channels[i]
     text = of.all[i].unit or unit_of(raw, table=of.stepped) or ""
     own, dimension = find_motion(text), DIMENSIONS.get(quantity)
@@ -112,7 +171,7 @@ def _in_unit(of: Guesses, i: int, quantity: str) -> tuple[str, str]:
 
 
 def _time(of: Guesses, untimed: bool) -> Iterator[str]:
-    """Yield the line about times, if one is needed."""
+    """Yield the line on times, if one is needed."""
     known = untimed or of.mapping.sample_rate_hz or any(c.rate_hz for c in of.channels)
     if not of.times and not known:
         yield f'sample_rate_hz: "{BLANK}"  # samples per second: the file has no times'
@@ -123,7 +182,7 @@ def _time(of: Guesses, untimed: bool) -> Iterator[str]:
 
 
 def _which(of: Guesses, i: int) -> str:
-    """Return a column as a mapping names it: by its name, or by its number where that is long or not its alone."""
+    """Return a column as a mapping names it: by its name, or by its number if the name is long or not unique."""
     name, alone = of.channels[i].name, of.keys.count(of.keys[i]) == 1
     if not alone and of.stepped:  # one column for each level
         name = of_level(name)

@@ -1,4 +1,4 @@
-"""Sampling times: whether they are in equal steps."""
+"""Whether sampling times are in equal steps."""
 
 from __future__ import annotations
 
@@ -7,16 +7,18 @@ import numpy as np
 from ..arrays import Array
 
 GRID_TOLERANCE = 0.05
-"""Part of a step by which a time stamp may be off the uniform grid: room for times written with few digits, while a
-missing or doubled sample (one whole step) is still found."""
+"""Part of a step by which a time stamp may deviate from equal steps: large enough for times with few digits, and small
+enough to reveal a missing or doubled sample."""
 
 HALF_A_STEP = 0.5
-"""Part of a step from which on a sample is in another one's place."""
+"""Part of a step by which a sample moves to the place of the next."""
 
 
 def uneven(t: Array, jitter: float) -> str:
-    """Say where times, s, (n,), are not in equal steps; "" where they are.   jitter : by how much of a step a time may
-    be off."""
+    """Return where times, s, (n,), are not in equal steps; "" if they are.
+
+    jitter : part of a step by which a time may deviate.
+    """
     steps = np.diff(t)
     step, off = float(np.median(steps)), np.abs(t - np.linspace(t[0], t[-1], t.size))
     if steps.min() > 0.0 and off.max() <= jitter * step:

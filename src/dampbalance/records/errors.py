@@ -1,8 +1,7 @@
-"""Errors of reading and writing records, and the bounds of a record: times and values beyond which something is
-wrong with the file, not with the rig.
+"""Errors of reading and writing records, and the bounds beyond which times and values show a fault of the file.
 
-The bounds of values leave room for any squared number that the reading forms, and for any rig: a signal of 1e-15 m is a
-proton wide.
+The bounds of values leave room for any rig, and for the squares that are formed on reading: 1e-15 m is the width of a
+proton.
 """
 
 from __future__ import annotations
@@ -16,11 +15,11 @@ from .coordinate import TRANSLATION
 
 
 class RecordError(ValueError):
-    """A record or its mapping that cannot be used; the message names the file, what is wrong and the remedy."""
+    """A record or mapping that cannot be used; the message names the file, what is wrong and the remedy."""
 
 
 class RecordWarning(UserWarning):
-    """A record that can be used, but looks odd.   finding : what is odd about it."""
+    """Something odd about a record that can still be used.   finding : what it is."""
 
     def __init__(self, path: object, finding: Finding) -> None:
         super().__init__(f"{path}: {sentence(finding, TRANSLATION)}")
@@ -28,7 +27,7 @@ class RecordWarning(UserWarning):
 
 
 def library(name: str, purpose: str) -> Any:
-    """Import a module that only some formats need. Raises RecordError naming the extra when it is not installed."""
+    """Import a module that only some formats need. Raises RecordError naming the extra if it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -38,8 +37,8 @@ def library(name: str, purpose: str) -> Any:
 
 
 LARGEST_FILE = 4_000_000_000  # bytes
-LARGEST_VALUE = 1e15  # SI unit of the quantity; no signal goes beyond it
-SMALLEST_RANGE = 1e-15  # SI unit of the quantity; values closer together than that are no signal
+LARGEST_VALUE = 1e15  # SI unit of the quantity
+SMALLEST_RANGE = 1e-15  # SI unit of the quantity; a smaller range is no signal
 FINEST = 1e-10  # relative to the largest value; a smaller range is rounding
-LATEST = 1e12  # s, time of a sample, either way from zero: 30,000 years
+LATEST = 1e12  # s; 30,000 years, positive or negative
 LOWEST_RATE, HIGHEST_RATE = 1e-6, 1e12  # samples per second

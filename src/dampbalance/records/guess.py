@@ -1,7 +1,7 @@
-"""What the columns of a table hold, each with a reason, by heading, unit and samples.
+"""What each column of a table holds and why, judged by heading, unit and samples.
 
-A record is read where nothing is left to ask. Otherwise the same guesses are the mapping that a refusal shows and that
-`--write-mapping` writes: what nothing tells, a drive, a unit, a rate, stands there as a blank to be filled in.
+A record is read if nothing is left to ask. Otherwise the same guesses make the mapping that a refusal shows and that
+`--write-mapping` writes, with a blank for every drive, unit or rate that the file does not state.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import itertools
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,20 +19,18 @@ import numpy as np
 
 from ..arrays import Array
 from ..findings.finding import Finding
-from ..project.spelling import spelled
-from ..project.wording import listed, shortened
+from ..project.wording import shortened
 from . import samples
-from .channel import ABSOLUTE, ACCOMPANYING, EXCITATIONS, ORDERS, RESPONSES
+from .channel import ABSOLUTE, ACCOMPANYING, EXCITATIONS, OF_LOOP, ORDERS, RESPONSES
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 from .errors import RecordError, RecordWarning
 from .headings import (
-    TURNING,
-    WORDS,
     axis_of,
     by_unit,
     column_of,
     full_name,
     holds_time,
+    is_stepped_sine,
     key_of,
     names_time,
     of_level,
@@ -43,8 +41,7 @@ from .headings import (
     words_of,
 )
 from .mapping import ChannelRule, RecordMapping, Which
-from .stepped_tables import is_response, is_table_of_lines, slot
-from .table import Table
+from .table import RawChannel, Table
 from .units import (
     DIMENSIONS,
     PER_FORCE,
@@ -53,29 +50,27 @@ from .units import (
     find_motion,
     find_other,
     find_unit,
+    slot,
     split_label,
 )
-from .untimed import OF_LOOP, of_speeds
+from .vocabulary import WORDS
 
 LISTED = 20  # columns in a message
 _OF_AXES = "absolute abs absolut total magnitude norm resultant resultierende"
 _UNNAMED = re.compile(r"(unnamed: \d+)?", re.IGNORECASE)  # by pandas
 _OF_SENSOR = ("a", "gf")  # before the axes of an accelerometer: ax, gFx
-ANGLE = 6.3  # rad, of an angle: what swings by more is in degrees
-_STEPS, _LONGEST = (5e-6, 0.2), 3600.0  # s, of times without a unit; their span
-_SAME = 0.05  # relative: of gravity or of a slope, which tell a unit
+ANGLE = 6.3  # rad; an angle that swings by more is in degrees
+# s; times without a unit are in seconds if their steps lie between these and their span is below the last
+_STEPS, _LONGEST = (5e-6, 0.2), 3600.0
+_SAME = 0.05  # relative deviation of gravity or of a slope from the one that a unit gives
 _BY_NAME, _BY_A_WORD, BY_UNIT = "by its name", "by a word of its name", "by its unit"
 _BY_NOTHING = "neither name nor unit says what it is"
-_LEVELS = (_BY_NAME, _BY_A_WORD, BY_UNIT, _BY_NOTHING)
+LEVELS = (_BY_NAME, _BY_A_WORD, BY_UNIT, _BY_NOTHING)
 UNNAMED = (BY_UNIT, _BY_NOTHING)
-_OF_MASS = {*WORDS["mass"].split()}
+_OF_MASS = {*WORDS["bodies"]["mass"]}
 _ROLES = EXCITATIONS, RESPONSES
 _TAKEN = "other channels are taken for drive and response"
-RESPONSE = (
-    "this is a frequency response, one level of a stepped sine: state the amplitude of its force, force_N, in a "
-    "mapping for each level, or give the records in time"
-)
-_ONE = 0.1  # relative: a derivative, by its units
+_ONE = 0.1  # relative deviation of a derivative, by its units
 _GOES_ROUND = "they go round as the loop of a contact does"
 _DECAYS = "the motion dies out, and nothing names it the drive"
 
@@ -84,9 +79,9 @@ _DECAYS = "the motion dies out, and nothing names it the drive"
 class Guess:
     """What a column holds.
 
-    quantity : of `QUANTITIES` or `TABLE_DIMENSIONS`; "" for nothing that is read.   reason : what says so, in words.
-    unit : as it is read; "" where nothing tells it.   may : what it may hold, where that is asked for.
-    said : what the reader is told of it.   axis : whether it is one of the axes of a sensor.
+    quantity : of `QUANTITIES` or `TABLE_DIMENSIONS`; "" for a column that is not read.   reason : why, in words.
+    unit : in which it is read; "" if unknown.   may : the quantities to choose from if it must be asked.
+    said : what is reported about it.   axis : whether it is one of the axes of a sensor.
     """
 
     quantity: str
@@ -98,7 +93,7 @@ class Guess:
 
 
 def first_of(names: Sequence[str]) -> str:
-    """Return names in a row, the first 20 of them."""
+    """Return the first 20 names as a text, and how many follow."""
     more = len(names) - LISTED
     return ", ".join(names[:LISTED]) + f" and {more} more" * (more > 0)
 
@@ -106,7 +101,7 @@ def first_of(names: Sequence[str]) -> str:
 class Guesses:
     """The guesses for the columns of a table.
 
-    keys : names of the columns, to compare.   where : the file of the mapping, or the one to write.
+    keys : normalized names of the columns.   where : the file of the mapping, or the one to write.
     stepped : whether it is a table of steady responses to a stepped sine.
     """
 
@@ -114,7 +109,7 @@ class Guesses:
         self, file: Table, mapping: RecordMapping, *, stepped: bool | None = False
     ) -> None:
         self.file, self.path, self.channels, self.mapping = file, file.path, file.channels, mapping
-        self.stepped = is_table_of_lines(file, mapping) if stepped is None else stepped
+        self.stepped = is_stepped_sine(file, mapping) if stepped is None else stepped
         self.where = mapping.source or f"{file.path}.yaml"
         self.keys = [key_of(raw.name) for raw in self.channels]
         if self.stepped:
@@ -123,7 +118,7 @@ class Guesses:
 
     @cached_property
     def empty(self) -> set[int]:
-        """The columns that nobody need hear of, as a delimiter behind each row makes them: no name, no values."""
+        """The columns without a name and without values, as a delimiter at the end of each row makes them."""
         unnamed = [i for i, raw in enumerate(self.channels) if _UNNAMED.fullmatch(raw.label)]
         held = self.values if unnamed else {}
         return {i for i in unnamed if held[i].size and not np.isfinite(held[i]).any()}
@@ -138,12 +133,11 @@ class Guesses:
 
     @cached_property
     def values(self) -> dict[int, Array]:
-        """The samples of each column in the unit of its signal, none of one that cannot be read: needed where names do
-        not suffice."""
+        """The samples of each column in the unit of its signal; empty for a column that cannot be read."""
         everything, held = range(len(self.channels)), dict[int, Array]()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RecordWarning)  # comes where the record is read
-            # a text in some column: 20 are read one by one
+            # if some column holds text, the first 20 are read one by one
             for some in (everything, *([i] for i in everything[:20])):
                 with suppress(RecordError):
                     held |= self.file.columns([i for i in some if i not in held])
@@ -153,7 +147,7 @@ class Guesses:
 
     @cached_property
     def times(self) -> list[int]:
-        """The columns of times: by the mapping, by their names, by their units, or as they alone rise evenly."""
+        """The columns of times, by the mapping, by name, by unit, or because they alone rise evenly."""
         if self.mapping.time is not None:
             return self.find(self.mapping.time, "time.channel")
         named = [i for i, raw in enumerate(self.channels) if names_time(raw)]
@@ -172,7 +166,7 @@ class Guesses:
         return [i for i in rising if not samples.counts(self.values[i])]
 
     def time_of(self, index: int) -> int | None:
-        """Return the time channel of another: the one named after it, else the nearest before it, else the first."""
+        """Return the time channel of a column: the one named after it, else the nearest to its left, else the first."""
         key = self.keys[index]
         own = {f"{key}_time", f"time_{key}", f"time_of_{key}", f"t_{key}", f"{key}_t"}
         named = [i for i, name in enumerate(self.keys) if name in own]
@@ -180,8 +174,8 @@ class Guesses:
         return next(iter(named or before[-1:] or self.times), None)
 
     def unit_of_time(self, index: int) -> str | None:
-        """Return the unit of a time channel: without one, seconds if it counts in parts of one, as recorders do in s:
-        not in days, hours or ms."""
+        """Return the unit of a time channel. If none is stated, its steps tell seconds from days, hours and ms; None
+        where they do not."""
         if (text := self.mapping.time_unit or unit_of(self.channels[index])) is not None:
             return text
         values = self.values[index]
@@ -191,7 +185,7 @@ class Guesses:
         return "s" if likely and np.ptp(values) < _LONGEST else None
 
     def step(self, index: int) -> float:
-        """Return the sampling interval of a column, s; NaN where it is not known."""
+        """Return the sampling interval of a column, s; NaN if unknown."""
         if rate := self.mapping.sample_rate_hz or self.channels[index].rate_hz:
             return 1.0 / rate
         time = self.time_of(index)
@@ -201,8 +195,10 @@ class Guesses:
         return float(np.nanmedian(np.diff(self.values[time]))) * unit.factor
 
     def find(self, which: Which, key: str) -> list[int]:
-        """Return the column with a name or number; of a table of steady responses, those of all levels.   key : of the
-        mapping that names it."""
+        """Return the column with a name or number, as a list; in a table of steady responses those of all levels.
+
+        key : of the mapping, for messages.
+        """
         at, path = f"{self.where}: {key}:", self.path
         if isinstance(which, int) and not 1 <= which <= len(self.channels):
             remedy = f"{path} has {len(self.channels)}: {self.overview}"
@@ -228,8 +224,8 @@ class Guesses:
 
     @cached_property
     def axes(self) -> dict[int, Guess]:
-        """The guesses for accelerometers and gyroscopes of several axes, x, y and z, and their absolute value: the axis
-        with the most motion, by its standard deviation, is read unless the motion is along none of them."""
+        """The guesses for sensors with axes x, y and z, and their absolute value. The axis with the largest standard
+        deviation is read, unless the motion is oblique to all of them."""
         groups: dict[tuple[str, str, str | None], dict[str, int]] = {}
         for i, raw in enumerate(self.channels):
             for axis, before, behind in axis_of(raw.name):
@@ -263,26 +259,26 @@ class Guesses:
         return found
 
     def _dies(self, i: int) -> bool:
-        """Return whether the record is of a decay, as one of its channels shows."""
+        """Return whether the record is of a free decay, by the mapping or by this column."""
         return self.mapping.free or samples.dies_out(self.values[i])
 
     # --- what each column holds ------------------------------------------------------------------------------------
 
     @cached_property
     def all(self) -> dict[int, Guess]:
-        """The guess for each column but times."""
+        """The guess for each column except times."""
         if self.stepped:
             return self._of_lines()
         found = {i: self._by_heading(i) for i in range(len(self.channels)) if i not in self.times}
         named = {i: guess.quantity for i, guess in found.items() if guess.reason == _BY_NAME}
         driving, answering = ([i for i, q in named.items() if q in of] for of in _ROLES)
         clear = len({*named.values()}) == len(named) and all(self.channels[i].unit for i in named)
-        rest = [i for i, of in found.items() if of.reason in _LEVELS and i not in named]
+        rest = [i for i, of in found.items() if of.reason in LEVELS and i not in named]
         alone = len(named) == 1 and not rest
         driven = len(driving) == 1 and self._words(driving[0]) != {"y"}
         held = {i: of.quantity for i, of in found.items() if of.quantity}
         speeds = {quantity: i for i, quantity in held.items()}
-        if len(speeds) == len(held) and of_speeds(self, speeds):
+        if len(speeds) == len(held) and self.are_steady_speeds(speeds):
             self._leave(found, found.keys() - held.keys(), _TAKEN)
         elif clear and answering and (driven or alone):
             self._leave(found, found.keys() - named.keys(), _TAKEN)
@@ -304,6 +300,11 @@ class Guesses:
             return Guess("", other)
         whole, part = quantity_of(raw), quantity_of(raw, all_words=False)
         named = whole or part or ""
+        if named == "base_displacement" and self._may_be_in_inches(raw):
+            if not self.mapping.free:
+                may = named, "displacement"
+                return Guess("", 'the "in" at its end stands for inches or for the input', may=may)
+            named = whole = "displacement"
         if named and unit and DIMENSIONS[unit] != DIMENSIONS[named]:
             return Guess("", f"its name says {named}, its unit {unit}", may=(unit,))
         if named:
@@ -312,19 +313,28 @@ class Guesses:
             return Guess("", f"its unit, {shortened(raw.unit)}, is no unit of motion or force")
         return Guess(unit or "", BY_UNIT if unit else _BY_NOTHING)
 
+    def _may_be_in_inches(self, raw: RawChannel) -> bool:
+        """Return whether "in" at the end of a name may be a unit, as in displacement_in: the name says nothing else of
+        the base, and no column is named an output."""
+        *words, last = words_of(raw.name)
+        others = replace(raw, name=" ".join(words))
+        named = last == "in" and not raw.unit and quantity_of(others, all_words=False)
+        bodies = any(self._words(i) & _OF_MASS for i in range(len(self.channels)))
+        return named == "displacement" and not bodies
+
     @staticmethod
     def _leave(found: dict[int, Guess], columns: Iterable[int], why: str) -> None:
-        """Leave columns aside, unless they are already."""
+        """Leave columns aside that are not yet, and note why."""
         for i in columns:
             known = found[i].quantity in ACCOMPANYING
-            if not known and (found[i].reason in _LEVELS or found[i].may):
+            if not known and (found[i].reason in LEVELS or found[i].may):
                 found[i] = Guess("", why)
 
     def _look(self, found: dict[int, Guess]) -> None:
-        """Add what samples show to the guesses of names and units: what is no motion, which are one body, what drives,
+        """Refine the guesses by the samples: which columns are no motion, which show the same body, which one drives,
         and what must be asked."""
         found |= self.axes
-        level = {i: _LEVELS.index(of.reason) for i, of in found.items() if of.reason in _LEVELS}
+        level = {i: LEVELS.index(of.reason) for i, of in found.items() if of.reason in LEVELS}
         level = {i: at for i, at in level.items() if found[i].quantity not in ACCOMPANYING}
         still = {i: why for i in level if (why := samples.aside(self.values[i]))}
         moving = [i for i in level if i not in still]
@@ -334,7 +344,7 @@ class Guesses:
             if not named or (answered and found[i].quantity in RESPONSES):
                 found[i] = Guess("", why)
         self._one_body(found, moving)
-        live = [i for i in level if found[i].reason in _LEVELS]
+        live = [i for i in level if found[i].reason in LEVELS]
         answers = [i for i in live if found[i].quantity in RESPONSES]
         dies = self.mapping.free or any(samples.dies_out(self.values[i]) for i in answers)
         if dies:
@@ -343,7 +353,7 @@ class Guesses:
             found |= {i: replace(found[i], quantity="displacement") for i in swing}
             self._ask(found, swing)
             self._leave(found, {*y} - {*swing}, _DECAYS)
-            live = [i for i in live if found[i].reason in _LEVELS]
+            live = [i for i in live if found[i].reason in LEVELS]
         alone = live if len(live) == 1 and not any(of.may for of in found.values()) else []
         if any(level[i] for i in alone) and (unit := by_unit(self.channels[live[0]])):
             found[live[0]] = Guess(unit, "the only signal")
@@ -367,28 +377,28 @@ class Guesses:
         chosen = [i for i in chosen if i not in unsure]
         for i in live if chosen and known else ():
             new = i not in (*drives, *chosen) and found[i].quantity not in held
-            if new and found[i].reason in _LEVELS and self._are_one(found, [chosen[0], i]):
+            if new and found[i].reason in LEVELS and self._are_one(found, [chosen[0], i]):
                 chosen.append(i)
         if chosen and known:
             why = _TAKEN if drives else _DECAYS
             swing = [i for i in live if not drives and i not in chosen]
             swing = [i for i in swing if level[i] and self._may_drive(i, chosen)]
-            self._ask(found, [i for i in swing if found[i].reason in _LEVELS])
+            self._ask(found, [i for i in swing if found[i].reason in LEVELS])
             asked = [i for i in live if found[i].may]
             self._leave(found, found.keys() - {*drives, *chosen, *asked}, why)
-        rest = [i for i in live if i not in (*drives, *chosen) and found[i].reason in _LEVELS]
-        self._ask_of_loop(found, [i for i in rest if level[i] == _LEVELS.index(_BY_NOTHING)])
+        rest = [i for i in live if i not in (*drives, *chosen) and found[i].reason in LEVELS]
+        self._ask_of_loop(found, [i for i in rest if level[i] == LEVELS.index(_BY_NOTHING)])
         self._ask(found, rest, drives)
 
     def _may_drive(self, i: int, responses: Sequence[int]) -> bool:
-        """Return whether a column may drive others, as its samples have it, and nothing says that they decay."""
+        """Return whether a column may drive one of the others, by their samples; never in a free decay."""
         others = (j for j in responses if j != i)
         return not self.mapping.free and any(
             samples.may_drive(self.values[i], self.values[j]) for j in others
         )
 
     def _ask_of_loop(self, found: dict[int, Guess], unnamed: Sequence[int]) -> None:
-        """Ask which of two unnamed columns that go round is the force: its sign decides which way they do."""
+        """Ask which of two unnamed columns that trace a loop is the force."""
         known = self.times or self.mapping.sample_rate_hz or self.mapping.free
         if known or len(unnamed) != 2 or any(of.quantity for of in found.values()):
             return
@@ -398,7 +408,7 @@ class Guesses:
     def _ask(
         self, found: dict[int, Guess], columns: Iterable[int], drives: Sequence[int] = ()
     ) -> None:
-        """Ask what columns hold: what their names or units leave open.   drives : columns that are known to drive."""
+        """Ask what columns hold.   drives : columns that are known to drive."""
         for i in [i for i in columns if not found[i].may]:
             of = found[i].quantity
             may = (of,) if of else tuple(EXCITATIONS | ABSOLUTE)
@@ -409,9 +419,9 @@ class Guesses:
             found[i] = Guess("", found[i].reason, may=may)
 
     def _one_body(self, found: dict[int, Guess], moving: Sequence[int]) -> None:
-        """Leave aside the coordinates of a bob whose angle is there, and its height over another one."""
+        """Leave aside the coordinates of a bob whose angle is recorded, and its height above another coordinate."""
         for i in moving:
-            others = [j for j in moving if j != i and found[j].reason in _LEVELS]
+            others = [j for j in moving if j != i and found[j].reason in LEVELS]
             turns = [j for j in others if self._turns(j) and not self._turns(i)]
             for j in turns:
                 if samples.same_motion(self.values[i], self.values[j]):
@@ -421,14 +431,18 @@ class Guesses:
                     found[i] = Guess("", f"an arc over {self.names[j]}: the height of a bob")
 
     def _turns(self, i: int) -> bool:
-        """Return whether a column is of a rotation, by its unit or name."""
+        """Return whether a column holds a rotation, by its unit or name."""
         unit = find_motion(self.channels[i].unit or "")
-        return unit.coordinate == ROTATION if unit else bool(self._words(i) & {*TURNING.split()})
+        return (
+            unit.coordinate == ROTATION
+            if unit
+            else bool(self._words(i) & {*WORDS["others"]["rotation"]})
+        )
 
     def _apart(self, found: dict[int, Guess], answers: Sequence[int], same: bool) -> list[int]:
-        """Return one response of each quantity, and leave the others aside that move with it; all where they do not.
+        """Return one response of each quantity, leaving aside the others if they move with it; otherwise all.
 
-        same : whether what moves with it is the same body, as another drives, or none.
+        same : whether columns that move together show the same body, because another one drives or none.
         """
         chosen: list[int] = []
         for quantity in dict.fromkeys(found[i].quantity for i in answers):
@@ -444,20 +458,20 @@ class Guesses:
         return chosen
 
     def _far(self, first: int, other: int) -> bool:
-        """Return whether a column that moves as another goes farther, or less far, than it does."""
+        """Return whether two columns differ in size by more than a tenth."""
         units = ((i, find_motion(unit_of(self.channels[i]) or "")) for i in (first, other))
         sizes = [of.factor * np.nanstd(self.values[i]) for i, of in units if of]
         return len(sizes) == 2 and bool(abs(sizes[1] / sizes[0] - 1.0) > _ONE)
 
     def _are_one(self, found: dict[int, Guess], columns: Sequence[int]) -> bool:
-        """Return whether columns with units are each the derivative of the one before: of one body."""
+        """Return whether each column is the time derivative of the one before, so that all show one body."""
         ratios = self._ratios(found, columns).values()
         moves = all(found[i].quantity in ORDERS for i in columns)
         return moves and all(r is not None and abs(r - 1.0) <= _ONE for r in ratios)
 
     def _ratios(self, found: dict[int, Guess], columns: Sequence[int]) -> dict[int, float | None]:
-        """Return by how much columns with units are each more than the derivative of the one before, 0 where they are
-        none; None where they cannot be compared."""
+        """Return the ratio of each column to the time derivative of the one before, in SI units; 0 if they are not
+        proportional, None if they cannot be compared."""
         order = {i: ORDERS.get(found[i].quantity, -1) for i in columns}
         ratios: dict[int, float | None] = {}
         for i, j in itertools.pairwise(sorted(columns, key=order.__getitem__)):
@@ -469,25 +483,25 @@ class Guesses:
         return ratios
 
     def _scaled(self, found: dict[int, Guess], columns: Sequence[int]) -> list[int]:
-        """Return the columns that contradict another, as those of another body or in a wrong unit, with why."""
+        """Return the columns that contradict another, being in a wrong unit or of another body, and note why."""
         ratios = self._ratios(found, columns)
         for i, r in ratios.items():
             if r is not None and abs(r - 1.0) > _ONE:
                 in_g = found[i].quantity == "acceleration" and abs(9.80665 * r - 1.0) < _SAME
                 why = "unit: g? It is " * in_g + (f"{r:.3g} times the" if r else "not a")
                 found[i] = replace(found[i], reason=f"{why} derivative of another column")
-        return [i for i in ratios if found[i].reason not in _LEVELS]
+        return [i for i in ratios if found[i].reason not in LEVELS]
 
     def _slope(self, i: int, j: int, order: int) -> float | None:
-        """Return by how much a column is more than a derivative of another."""
+        """Return the ratio of column j to a time derivative of column i; None if they are not proportional."""
         step = self.step(i)
         if order < 1 or not step > 0.0:
             return None
         return samples.slope(self.values[i], self.values[j], step, order)
 
     def _with_unit(self, i: int, found: dict[int, Guess]) -> Guess:
-        """Return a guess with its unit: as the file has it, or as gravity, the size of an angle or another column
-        tells."""
+        """Return a guess with its unit, from the file, or inferred from gravity, the size of an angle or another
+        column."""
         guess, name = found[i], {"channel": self.names[i]}
         if (text := unit_of(self.channels[i])) is not None:
             return replace(guess, unit=text)
@@ -531,8 +545,8 @@ class Guesses:
         return bool({*map(column_of, self.channels)} & {*PER_FORCE})
 
     def _of_lines(self) -> dict[int, Guess]:
-        """Return the guesses for the columns of a table of steady responses: named, or asked for where a table lacks
-        something that their units allow."""
+        """Return the guesses for a table of steady responses. A column without a clear name is asked for if its unit
+        fits something that the table lacks."""
         named = [column_of(raw) or "" for raw in self.channels]
         held = {*map(slot, named)} | ({"drive"} if self.per_force else set())
         complete = {"frequency", "drive", "response", "phase"} <= held
@@ -553,6 +567,16 @@ class Guesses:
 
     # --- what is read, and what is asked ---------------------------------------------------------------------------
 
+    def are_steady_speeds(self, columns: Mapping[str, int]) -> bool:
+        """Return whether a record of these columns, by quantity, is a table of forces at steady speeds, without times:
+        as the mapping says, or by its velocities."""
+        if {*columns} - {*ACCOMPANYING} != {"velocity", "force"} or self.mapping.free:
+            return False
+        rate = self.mapping.sample_rate_hz or self.channels[columns["force"]].rate_hz
+        untimed = not (rate or self.times)
+        velocities = self.values[columns["velocity"]] if untimed else np.empty(0)
+        return self.mapping.steady or samples.steady_speeds(velocities)
+
     def coordinate(self, i: int) -> Coordinate:
         """Return whether a column rotates, by the unit that it is read in."""
         unit = find_motion(self.all[i].unit)
@@ -560,7 +584,7 @@ class Guesses:
 
     @cached_property
     def rules(self) -> dict[str, ChannelRule]:
-        """What is read, as a mapping says it."""
+        """The columns that are read, as rules of a mapping."""
         return {
             of.quantity: ChannelRule(
                 i + 1, of.unit or None, self.channels[i].scale, coordinate=self.coordinate(i)
@@ -568,29 +592,6 @@ class Guesses:
             for i, of in self.all.items()
             if of.quantity
         }
-
-    def questions(self) -> Iterator[str]:
-        """Yield what is to be said of the file before it can be read, the first thing first."""
-        held = {of.quantity: i for i, of in self.all.items() if of.quantity}
-        asked = [i for i, of in self.all.items() if of.may]
-        if is_response(self):
-            yield RESPONSE
-        if not held.keys() & {*RESPONSES} and not asked:
-            yield f"finds no response: name one of {', '.join(ABSOLUTE)}; its columns are {self.overview}."
-        if asked:
-            may = listed([*dict.fromkeys(q for i in asked for q in self.all[i].may)], "or")
-            why = [self.all[i].reason for i in asked if self.all[i].reason not in _LEVELS]
-            free = f" If it is a free decay, give {spelled('kind', 'ring-down')}." * (
-                "base_" in may
-            )
-            verb = "do the columns" if len(asked) > 1 else "does the column"
-            names = listed([self.names[i] for i in asked[:LISTED]])
-            because = f" ({'; '.join(dict.fromkeys(why))})" if why else ""
-            yield f"what {verb} {names} hold: {may}{because}?{free}"
-        if unknown := [self.names[i] for i in held.values() if not self.all[i].unit]:
-            yield f"in which unit{'s are' if len(unknown) > 1 else ' is'} {listed(unknown)}?"
-        if unknown := [self.names[i] for i in held.values() if math.isnan(self.channels[i].scale)]:
-            yield f"what is the scale of {listed(unknown)}?"
 
 
 def _near(factor: float, dimension: str) -> str:

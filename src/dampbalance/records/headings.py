@@ -1,7 +1,7 @@
-"""Read from the heading and the unit of a channel what it holds.
+"""What the heading and the unit of a channel say about what it holds.
 
-A heading is taken word by word: "Weg Tisch", "table displacement", "BaseDisp" and "base_displacement" are all the
-displacement of the base. Where it names a body and no quantity, "Base [g]", the unit says which quantity it is.
+A heading is read word by word: "Weg Tisch", "table displacement", "BaseDisp" and "base_displacement" all stand for the
+displacement of the base. If it names a body but no quantity, "Base [g]", the unit tells the quantity.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 from .channel import ABSOLUTE, EXCITATIONS
+from .mapping import RecordMapping
 from .table import RawChannel, Table
 from .units import (
     DIMENSIONS,
@@ -24,66 +25,24 @@ from .units import (
     find_unit,
     per_force,
 )
-
-WORDS = {
-    "displacement": "displacement disp deflection position pos dist distance x weg auslenkung "
-    "verschiebung abstand angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel "
-    "déplacement deplacement 変位 位移",
-    "velocity": "velocity vel v geschwindigkeit speed drehzahl omega ω winkelgeschwindigkeit "
-    "vitesse 速度",
-    "acceleration": "acceleration accel acc accelerometer beschleunigung winkelbeschleunigung "
-    "accélération accéléromètre 加速度",
-    "force": "force forc f kraft torque moment drehmoment effort 力 荷重 载荷",
-    "base_displacement": "y",
-    "base": "base ground table shaker foundation support excitation input in eingang "
-    "basis boden tisch fundament fußpunkt anregung erregung socle pot vibrant "
-    "台 台面 加振 加振台 振動台 ベース 基礎 入力 振动台 激振 基座 基础 输入",
-    "mass": "mass response absolute output out masse antwort absolut ausgang réponse "
-    "質量 応答 出力 质量 质量块 响应 输出",
-    "relative": "relative rel relativ relatif 相対 相对",
-}
-"""Words by which a channel is recognised, in lower case: quantities, then what moves, and against what. "in" counts at
-the end of a heading alone."""
-
-WORDS_OF_TABLES = {
-    "frequency": "frequency freq f frequenz omega ω",
-    "phase": "phase phi φ phasenwinkel phasenlage",
-    "level": "level stufe pegel niveau",
-    "receptance": "receptance compliance nachgiebigkeit",
-    "mobility": "mobility admittanz",
-    "accelerance": "accelerance inertance",
-    "coherence": "coherence coh kohärenz",
-    "averages": "averages mittelungen",
-}
-"""Words of the heading of a column of a table of steady responses; those of amplitudes are those of a record."""
+from .vocabulary import WORDS
 
 STANDARD_ERROR = "_standard_error"
-"""What the name of a quantity ends in, for the column of a table that holds its standard error."""
+"""End of the name of a column that holds the standard error of a quantity."""
 
 AXES = {"x", "y", "z"}
-"""Letters that are directions, beside another word or a unit that is no displacement's."""
+"""Letters that are directions if they stand next to another word, or have a unit other than that of a displacement."""
 
-TURNING = (
-    "angle rotation theta θ phi φ roll pitch yaw winkel drehwinkel omega ω drehzahl "
-    "winkelgeschwindigkeit winkelbeschleunigung"
-)
-"""Words of a rotation, which may have no unit."""
-
-TEMPERATURE = ("temp", "temperature", "temperatur", "thermocouple")
-"""Words of a heading that make a channel a temperature, which is left aside."""
-
-_MEANINGS = {word: meaning for meaning, words in WORDS.items() for word in words.split()}
-# words that suffice for a guess alone
-_HINTS = dict.fromkeys(("hammer", "load", "friction", "reibung", "reibkraft"), "force")
-_NORMAL = "normal", "normalkraft"  # where the channel is in a unit of force
-# the unit shows that a velocity is angular; accélération de la masse
-_PASSED_OVER = "angular", "de", "du", "la", "le"
-_BODIES = ("base", "mass", "relative")
-_OF_AMPLITUDES = {
-    *("amplitude", "amplitudes", "amp", "ampl", "magnitude", "mag", "frf", "abs", "peak", "rms")
+_BODIES, _OTHERS = WORDS["bodies"], WORDS["others"]
+_MEANINGS = {
+    word: meaning
+    for meanings in (WORDS["quantities"], _BODIES)
+    for meaning, words in meanings.items()
+    for word in words
 }
-_OF_ERRORS = {"standard", "error", "std", "stdev", "deviation", "uncertainty"}
-# letters of a word that may be part of another, a sign of Chinese or Japanese is enough; and of a compound
+_HINTS = dict.fromkeys(_OTHERS["force"], "force")
+_OF_ERRORS = {*_OTHERS["standard_error"]}
+# fewest letters of a part of a compound (one in Chinese or Japanese), and most of a compound
 _SHORTEST, _LONGEST = 3, 60
 _SIGNS = "\u3040-\u30ff\u4e00-\u9fff"  # kana, and Chinese characters
 _TIME = re.compile(
@@ -91,7 +50,7 @@ _TIME = re.compile(
     r"(time|zeit|t|messzeit|zeitstempel|uhrzeit|timestamps?|(row)?times|temps|時間|時刻|时间)"
     r"(_?(stamps?|axis|value|achse|\d+))?"
 )
-_COUNTED_IN = {  # unit of times → names that imply it: of LabVIEW, oscilloscopes, microcontrollers
+_COUNTED_IN = {  # unit of times → names that imply it, as LabVIEW, oscilloscopes and microcontrollers write them
     "s": re.compile(r"x_values?|(elapsed_)?seconds?(_elapsed)?|sekunden?"),
     "ms": re.compile(r"millis|milliseconds?"),
     "µs": re.compile(r"micros|microseconds?"),
@@ -99,43 +58,43 @@ _COUNTED_IN = {  # unit of times → names that imply it: of LabVIEW, oscillosco
 _NAMED_TIME = re.compile(r"x_axis|date_?times?(_?\d+)?")
 
 
+# before the names of a run, as programs of schools write it
 _RUN = re.compile(
-    r"^\s*(?:latest|(?:data ?set|run|trial|series|lauf|messung|versuch)\W?\d*)\s*:\s*",
-    re.IGNORECASE,
-)  # before the names of a run, as programs of schools write it
+    r"(?i)^\s*(?:latest|(?:data ?set|run|trial|series|lauf|messung|versuch)\W?\d*)\s*:\s*"
+)
 
 
 def last_part(name: str) -> str:
-    """Return the last part of a path of groups or structures; a quotient in brackets, x [m/s], or an abbreviation,
-    rel. to table, is no path."""
+    """Return the last part of a path of groups or structures; a slash in brackets, x [m/s], and the point of an
+    abbreviation, rel. to table, separate nothing."""
     name = _RUN.sub("", name.strip())
     return re.split(r"(?:/|\.(?!\s))(?=[^/.])(?![^\[(]*[\])])", name)[-1].strip()
 
 
 def axis_of(name: str) -> Iterator[tuple[str, str, str]]:
-    """Yield each letter of a heading that may be an axis, x, y or z, with what stands before and behind it."""
+    """Yield each letter of a heading that may be an axis, x, y or z, with the text before and after it."""
     name = name.lower()
     for axis in re.finditer("[xyz]", name):
         yield axis[0], name[: axis.start()], name[axis.end() :]
 
 
 def without_number(name: str) -> str:
-    """Return a name without the number of a column of a matrix, force of force[2]."""
+    """Return a name without the number of a column of a matrix: force for force[2]."""
     return re.sub(r"\[\d+\]$", "", name)
 
 
 def of_level(name: str) -> str:
-    """Return what the columns of all levels are called: force of one.force[2]."""
+    """Return the name that the columns of all levels share: force for one.force[2]."""
     return without_number(last_part(name))
 
 
 def key_of(name: str) -> str:
-    """Return the last part of a path, in lower case, with "_" for what separates words."""
+    """Return the last part of a path in lower case, its words separated by "_"."""
     return re.sub(r"[\s\-]+", "_", last_part(name).lower())
 
 
 def names_time(raw: RawChannel) -> bool:
-    """Return whether a channel holds times by its name, unless its unit is another's, or points in time."""
+    """Return whether a channel holds times by its name, its unit not contradicting, or holds points in time."""
     key, unit = key_of(raw.name), find_unit(raw.unit or "")
     other = find_other(raw.unit or "") or (unit and unit.dimension != "time")
     return raw.stamps or (
@@ -150,14 +109,14 @@ def holds_time(raw: RawChannel) -> bool:
 
 
 def full_name(raw: RawChannel) -> str:
-    """Name and unit of a channel."""
+    """Return name and unit of a channel, x [mm]."""
     return f"{raw.name} [{raw.unit}]" if raw.unit else raw.name
 
 
 def unit_of(raw: RawChannel, *, table: bool = False) -> str | None:
-    """Return the unit of a channel as the file spells it, or as its name implies; None for none.
+    """Return the unit of a channel as the file spells it or its name implies it; None if there is none.
 
-    table : whether it is a column of a table of steady responses, whose ω is a frequency in rad/s.
+    table : whether it is a column of a table of steady responses, in which ω is a frequency in rad/s.
     """
     key, omega = key_of(raw.name), table and {*words_of(raw.name)} & {"omega", "ω"}
     implied = "rad/s" if omega else None
@@ -165,14 +124,14 @@ def unit_of(raw: RawChannel, *, table: bool = False) -> str | None:
 
 
 def has_word(text: str) -> bool:
-    """Return whether a text has a Chinese or Japanese word of a heading, of two signs or more."""
+    """Return whether a text has a Chinese or Japanese word of a heading, of at least two signs."""
     words = {*_MEANINGS, "時間", "時刻", "时间"}
     return any(word in text for word in words if re.match(f"[{_SIGNS}]{{2}}", word))
 
 
 def unusable(raw: RawChannel) -> str | None:
-    """Say what a channel is instead of a motion or a force, by its name or unit; None where they do not."""
-    if set(words_of(raw.name)) & {*TEMPERATURE}:
+    """Return what a channel is instead of a motion or a force, by its name or unit; None if they do not tell."""
+    if {*_OTHERS["temperature"]} & {*words_of(raw.name)}:
         return "a temperature"
     other = find_other(raw.unit or "")
     return None if other == VOLTAGE else other
@@ -181,22 +140,24 @@ def unusable(raw: RawChannel) -> str | None:
 def quantity_of(
     raw: RawChannel, *, all_words: bool = True, among: Container[str] = DIMENSIONS
 ) -> str | None:
-    """Return the quantity that the heading of a channel names; None where it does not, or names several.
+    """Return the quantity that the heading of a channel names; None if it names none or several.
 
-    all_words : whether every word must be known, so that nothing is guessed. Otherwise unknown words are passed over,
-    single letters (of a direction) with them; base and mass together are a relative motion, and a body alone moves by
-    a displacement.   among : the quantities that are looked for.
+    all_words : whether every word must be known. Otherwise unknown words and single letters, which may be directions,
+    are ignored; base and mass together give a relative motion, and a body alone a displacement.
+    among : the quantities to look for.
     """
     words, meanings = words_of(raw.name), _MEANINGS if all_words else _HINTS | _MEANINGS
-    if {*words} & {*_NORMAL} and by_unit(raw) == "force":
+    if {*words} & {*_OTHERS["normal_force"]} and by_unit(raw) == "force":
         return "normal_force"
     if {*words} & _OF_ERRORS:
         others = [word for word in words if word not in _OF_ERRORS]
         if quantity_of(replace(raw, name=" ".join(others))) == "force":
             return f"force{STANDARD_ERROR}"
-    words = [word for word in words if word not in _PASSED_OVER and not word.isdigit()] or words
+    words = [
+        word for word in words if word not in _OTHERS["ignored"] and not word.isdigit()
+    ] or words
     words = [word for word in words if not _contradicts(word, raw)]
-    rest = [word for word in words if word not in AXES]  # an axis beside a quantity
+    rest = [word for word in words if word not in AXES]  # an axis next to a quantity
     words = rest if {meanings.get(word) for word in rest} & DIMENSIONS.keys() else words
     words = ["" if word == "in" else word for word in words[:-1]] + words[-1:]  # a preposition
     if not (all_words or len(words) == 1):
@@ -218,23 +179,22 @@ def quantity_of(
 
 
 def _contradicts(letter: str, raw: RawChannel) -> bool:
-    """Return whether a single letter would be a quantity of another unit, as x in Table X [g]: it is a direction, or a
-    number, then."""
+    """Return whether a single letter cannot be a quantity because of the unit, as x in Table X [g], a direction."""
     unit, meant = find_motion(raw.unit or ""), DIMENSIONS.get(_MEANINGS.get(letter, ""))
     return bool(len(letter) == 1 and unit and meant and unit.counterpart != meant)
 
 
 def column_of(raw: RawChannel) -> str | None:
-    """Return the quantity of a column of a table of steady responses, or that of which it is the standard error, by
-    heading and unit; None where neither says it."""
+    """Return the quantity of a column of a table of steady responses, by heading and unit, with `STANDARD_ERROR` at its
+    end for a column of standard errors; None if they do not tell."""
     words = [word for word in words_of(raw.name) if not word.isdigit()]
     ending = STANDARD_ERROR if {*words} & _OF_ERRORS else ""
     unit = find_unit(raw.unit or "")
-    for quantity, known in WORDS_OF_TABLES.items():
+    for quantity, known in WORDS["tables"].items():
         fits = not unit or quantity in PER_FORCE or unit.dimension == TABLE_DIMENSIONS[quantity]
-        if fits and {*words} & {*known.split()}:
+        if fits and {*known} & {*words}:
             return quantity + ending
-    words = [w for w in words if w not in _OF_AMPLITUDES | _OF_ERRORS]
+    words = [w for w in words if w not in _OTHERS["amplitude"] and w not in _OF_ERRORS]
     words = [w for w in words if len(w) > 1 or w in _MEANINGS]  # F [N], A [g]
     if unit and unit.dimension == TABLE_DIMENSIONS["phase"]:
         return None if words else f"phase{ending}"
@@ -244,16 +204,25 @@ def column_of(raw: RawChannel) -> str | None:
     return amplitude and amplitude + ending
 
 
+def is_stepped_sine(file: Table, rules: RecordMapping) -> bool:
+    """Return whether a file is a table of steady responses, by its mapping, or because it has columns of frequency and
+    phase but no times."""
+    if rules.table or rules.channels:
+        return bool(rules.table)
+    held = {column_of(raw) for raw in file.channels}
+    return {"frequency", "phase"} <= held and not any(map(names_time, file.channels))
+
+
 def by_unit(raw: RawChannel) -> str | None:
-    """Return the first quantity that has the unit of a channel, an angle standing for a displacement; None where it has
-    none, or one of no motion and no force."""
+    """Return the first quantity with the unit of a channel, an angle counting as a displacement; None if it has no unit
+    of a motion or a force."""
     unit = find_motion(raw.unit or "")
     fitting = (*ABSOLUTE, *EXCITATIONS)
     return next((q for q in fitting if unit and DIMENSIONS[q] == unit.counterpart), None)
 
 
 def words_of(name: str) -> list[str]:
-    """Return the words of a heading in lower case, compounds taken apart: Relativweg is relativ and weg."""
+    """Return the words of a heading in lower case, with compounds split: relativ and weg for Relativweg."""
     name = unicodedata.normalize("NFC", last_part(name))
     signs = rf"(?<=[{_SIGNS}])(?=[A-Za-z])|(?<=[A-Za-z])(?=[{_SIGNS}])|(?<=[{_SIGNS}])[の的](?=[{_SIGNS}])"
     spaced = re.sub(rf"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=\D)(?=\d)|(?<=\d)(?=\D)|{signs}", " ", name)
@@ -262,7 +231,7 @@ def words_of(name: str) -> list[str]:
 
 
 def _parts(word: str) -> list[str]:
-    """Return the words that a compound consists of; itself where it is none."""
+    """Return the words of a compound; the word itself if it is none."""
     least = 1 if re.match(f"[{_SIGNS}]", word) else _SHORTEST
     if word in _MEANINGS or len(word) > _LONGEST:
         return [word]
@@ -273,8 +242,8 @@ def _parts(word: str) -> list[str]:
 
 
 def runs_of(file: Table) -> list[Table]:
-    """Return a table for each run of a file that has several side by side: blocks of columns with the same names, each
-    with its times first; the file itself where it has not."""
+    """Return a table for each run in a file, if there are several side by side: blocks of columns with the same names,
+    times first."""
     held = [i for i, raw in enumerate(file.channels) if raw.label]  # an empty column has no name
     times = [n for n, i in enumerate(held) if names_time(file.channels[i])]
     blocks = [held[a:b] for a, b in pairwise([*times, len(held)])]

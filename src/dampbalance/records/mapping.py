@@ -1,4 +1,4 @@
-"""The file next to a record: a small YAML file that says which channel holds what, in which unit.
+"""The mapping of a record: a small YAML file next to it that says which channel holds what, and in which unit.
 
     channels:
       base_displacement: {channel: Laser 1, unit: mm}
@@ -34,7 +34,7 @@ _FILTERS = ("low_pass", "high_pass")
 _CORRECTED = {"gain", "delay", *_FILTERS, "gain_uncertainty", "delay_uncertainty"}
 
 BLANK = "?"
-"""What a draft holds, or ends in, where something is to be filled in."""
+"""Mark in a draft, alone or at the end of a key, where something is to be filled in."""
 
 Which = str | int  # a channel by its name, or by its number counted from 1
 
@@ -43,10 +43,11 @@ Which = str | int  # a channel by its name, or by its number counted from 1
 class ChannelRule:
     """The channel of a quantity: value in SI = sign · scale · reading · (the unit in SI).
 
-    unit : of scale · reading, None for what the file says.   scale : None for what the file says, 1 where it has no
-    volts.   time : its own time channel, None for the common one.   correction : of its harmonics; None for none.
-    file : that it stands in, from the folder of the record on; None for the record itself.
-    standard_error : of a table, the column that holds that of this one, in its unit.
+    channel : its name, or its number counted from 1.   unit : of scale · reading; None if the file states it.
+    scale : None if the file states it, 1 if it states none and has no volts.   time : its time channel; None for the
+    common one.   correction : known effect of the channel; None for none.   file : in which it is, relative to the
+    folder of the record; None for the record itself.   standard_error : in a table, the column with the standard error
+    of this one, in the same unit.
     """
 
     channel: Which
@@ -62,13 +63,13 @@ class ChannelRule:
 
 @dataclass(frozen=True)
 class RecordMapping:
-    """Instructions for reading a record; the file itself decides what is None or empty.
+    """Instructions for reading a record; what is None or empty is taken from the file.
 
-    source : the file it stands in.   channels : by quantity.   time, time_unit : the common time channel.
+    source : file of the mapping.   channels : by quantity.   time, time_unit : the common time channel.
     sample_rate_hz : instead of a time channel.   delimiter ("\\t", "whitespace", …), decimal, header_lines : of a text
-    file.   frequency_hz : nominal frequency of the drive.   level : what the level of excitation is called.
-    table : of a table of steady responses, its columns by quantity.   force_N : amplitude of the force at which a
-    response given per force was measured.   kind : of the record, as `identify` takes it, where it is known.
+    file.   frequency_hz : nominal frequency of the drive.   level : name of the level of excitation.
+    table : columns of a table of steady responses, by quantity.   force_N : amplitude of the force at which a response
+    given per force was measured.   kind : of the record, as `identify` takes it; "" if unknown.
     """
 
     source: str = ""
@@ -98,8 +99,8 @@ class RecordMapping:
 
 
 MappingLike = RecordMapping | Mapping[str, Any] | str | Path | None
-"""A mapping, as an object, a document or a file, or a folder of files named as next to the record; None for the one
-next to the record, if any."""
+"""A mapping as an object, a document or a file, or a folder of such files, named as they would be next to the record;
+None for the mapping next to the record, if any."""
 
 
 def find_mapping(record: str | Path) -> Path | None:
@@ -110,8 +111,8 @@ def find_mapping(record: str | Path) -> Path | None:
 
 
 def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMapping:
-    """Return the mapping given (itself, as a document or as a file), else the one next to the record, else an empty
-    one. Raises RecordError naming file, key and remedy."""
+    """Return the given mapping, else the one next to the record, else an empty one. Raises RecordError naming file,
+    key and remedy."""
     if isinstance(mapping, RecordMapping | Mapping):
         return mapping if isinstance(mapping, RecordMapping) else mapping_from(mapping)
     if mapping is not None:
@@ -121,10 +122,9 @@ def mapping_for(record: str | Path, mapping: MappingLike = None) -> RecordMappin
 
 
 def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None:
-    """Return the file that the mapping of a record stands in, the one given or the one next to the record; None for
-    none.
+    """Return the file of the mapping of a record, the given one or the one next to the record; None for none.
 
-    Where records stand in a folder that is not yours, their mappings stand in another, which is given instead of one.
+    mapping : may be a folder of mappings, if that of the records cannot be written.
     """
     if isinstance(mapping, str | Path):
         given = Path(mapping)
@@ -133,7 +133,7 @@ def mapping_file(record: str | Path, mapping: MappingLike = None) -> Path | None
 
 
 def parts_of(record: str | Path, mapping: RecordMapping) -> dict[Path, RecordMapping]:
-    """Return each file of a record with the part of its mapping that is about it."""
+    """Return the files of a record, each with its part of the mapping."""
     record = Path(record)
     files: dict[Path, dict[str, ChannelRule]] = {}
     for of, rule in mapping.channels.items():
@@ -179,7 +179,7 @@ def mapping_from(document: Any, source: str = "mapping") -> RecordMapping:
 
 
 def _blanks(document: Any, above: str = "") -> Iterator[str]:
-    """Yield the keys of a draft at which something is to be filled in."""
+    """Yield the keys of a draft that are still to be filled in."""
     for key, value in document.items() if isinstance(document, Mapping) else ():
         blank = str(key).endswith(BLANK) or value == BLANK
         yield from [f"{above}{key}"] if blank else _blanks(value, f"{above}{key}.")
@@ -196,7 +196,7 @@ def _rule(of: str, stated: Mapping[str, Any]) -> ChannelRule:
 
 
 def _contradictions(document: Mapping[str, Any]) -> Iterator[tuple[tuple[str | int, ...], str]]:
-    """Yield the problems that a schema cannot state: units that do not fit, and what channels may not hold together."""
+    """Yield problems that a schema cannot state: units that do not fit, and channels that cannot go together."""
     channels = document.get("channels", {})
     rules = {(of, q): r for of in ("channels", "table") for q, r in document.get(of, {}).items()}
     for key, rule in (*rules.items(), (("time",), document.get("time", {}))):

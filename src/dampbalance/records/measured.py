@@ -1,4 +1,4 @@
-"""Records of measurements as an identification takes them: from files of any format, tables of pandas, or arrays."""
+"""Records from files of any format, tables of pandas or arrays, as an identification takes them."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 ReaderOfTables: TypeAlias = Callable[[Table, RecordMapping, str], Record | None]
-"""Reader of the record in an open table, with what its mapping says and the label of a level without a name."""
+"""Reader of the record in an open table, given its mapping and the label of a level without a name."""
 
 
 def as_records(
@@ -43,11 +43,11 @@ def as_records(
     kind: str = "",
     reader: ReaderOfTables | None = None,
 ) -> tuple[Record, ...]:
-    """Return records as `dampbalance.read_records` does, whose arguments these are.
+    """Return records as `dampbalance.read_records` does, with the same arguments and:
 
-    kind : that the records are known to be of; "" for none.
-    reader : gives the record of an open table that is of its kind, and None for others; tried before channels are
-    looked for.
+    kind : of the records; "" if unknown.
+    reader : returns the record of an open table if it is of the kind of this reader, otherwise None; tried before
+    channels are looked for.
     """
     single = isinstance(records, str | Path | Record) or is_table(records)
     wanted = "the path of a file, a pandas DataFrame, a mapping of names to arrays, or a sequence of them"
@@ -70,9 +70,11 @@ def as_records(
 
 
 def files_of(records: Iterable[Any], mapping: MappingLike = None) -> Iterator[Any]:
-    """Yield records, and for a folder the files in it: those whose suffix is that of a format, in the order of the
-    numbers in their names, without those that hold channels of others, and without texts of no numbers, such as
-    notes.txt beside files of another suffix. A pattern that no shell has expanded, level*.csv, stands for its files.
+    """Yield records, with folders and patterns replaced by their files.
+
+    Of a folder these are the files with a suffix of `FORMATS`, in the order of the numbers in their names, except those
+    that hold channels of another record and texts without numbers, such as notes.txt next to files of another suffix. A
+    pattern, level*.csv, is expanded if no shell has done so.
 
     Raises RecordError for a folder without such files.
     """
@@ -92,7 +94,7 @@ def files_of(records: Iterable[Any], mapping: MappingLike = None) -> Iterator[An
 
 
 def _expanded(records: Iterable[Any]) -> Iterator[Any]:
-    """Yield records, and for a pattern of names the files that have one, in the order of the numbers in them."""
+    """Yield records, and for a pattern its files, in the order of the numbers in their names."""
     for one in records:
         pattern = isinstance(one, str | Path) and "*" in str(one) and not Path(one).exists()
         yield from (sorted(glob(str(one)), key=_numbered) if pattern else ()) or [one]
@@ -107,10 +109,8 @@ def _is_of_words(file: Path, mapping: MappingLike) -> bool:
     """Return whether a text holds no rows of numbers."""
     try:
         table(file, mapping_for(file, mapping))
-    except NoRows:
-        return True
-    except RecordError:
-        return False
+    except RecordError as error:
+        return isinstance(error, NoRows)
     return False
 
 
@@ -122,8 +122,7 @@ def _in_memory(
     kind: str,
     reader: ReaderOfTables | None,
 ) -> tuple[Record, ...]:
-    """Return the records of signals in memory, the `number`-th of several, under a name that is not taken, as
-    `_read`."""
+    """Return the records in signals in memory, the `number`-th of several, under a name that is not `taken`."""
     if not isinstance(signals, Record) and not is_table(signals):
         remedy = "give the path of a file, a pandas DataFrame, or a mapping of names to arrays"
         raise RecordError(f"record {number} is a {type(signals).__name__}; {remedy}")
@@ -146,8 +145,8 @@ def _read(
     rules: RecordMapping,
     reader: ReaderOfTables | None,
 ) -> tuple[Record, ...]:
-    """Return the record in open tables, each with its part of the mapping; of a table that holds several runs side by
-    side a record of each."""
+    """Return the record in open tables, each with its part of the mapping; if a table holds several runs side by side,
+    one for each."""
     (file, of), *others = parts
     label = visible(rules.level or label)
     runs = [file] if others or rules.channels or rules.table else runs_of(file)
@@ -170,7 +169,7 @@ def _read(
 
 
 def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str, Any]:
-    """Return digests of a file, of the file that names its channels, and of others that hold some."""
+    """Return digests of a file, of its mapping, and of other files that hold channels of the record."""
     file = mapping_file(path, mapping)
     others = [part for part in parts_of(path, rules) if part != path]
     more = [{"file": str(part), "sha256": sha256(part)} for part in others]
@@ -181,10 +180,10 @@ def _digests(path: Path, rules: RecordMapping, mapping: MappingLike) -> dict[str
 
 
 def require_different(records: Sequence[Record]) -> None:
-    """Raise ValueError for no records, for records of both coordinates, and for a file named twice, also by a link or
-    another spelling of its path."""
+    """Raise ValueError if there are no records, if they have different coordinates, or if a file is named twice, even
+    by a link or another spelling of its path."""
     if not records:
-        raise ValueError("no records are given; name one for each level, or one of a free decay")
+        raise ValueError("no records are given; give one for each level, or one of a free decay")
     first = {record.coordinate: record.name for record in reversed(records)}
     if len(first) > 1:
         rotating, other = first[ROTATION], first[TRANSLATION]

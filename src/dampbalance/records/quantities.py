@@ -1,7 +1,7 @@
 """Numbers as people write them: 29.7 lbf/in, 5,2e3, 2310 ± 10 N/m, 3.1 kg ± 0.5 %, 210 rpm.
 
-A number may be a text with a unit, any that `units.factor_to` reads, and comes out in SI. A comma or a point is the
-decimal mark; where a comma may separate thousands as well, as in "2,310", the number is refused.
+A number may have any unit that `units.factor_to` reads, and is converted to SI. Comma and point are decimal marks; a
+number whose comma may separate thousands, as in "2,310", is refused.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ _EXAMPLES = {
 class Quantity(NamedTuple):
     """A number in SI.
 
-    error : its standard uncertainty, where one is written.
-    coordinate : of the unit that is written; None where none is.
+    error : its standard uncertainty; None if none is written.
+    coordinate : of its unit; None if none is written.
     """
 
     value: float
@@ -49,9 +49,9 @@ class Quantity(NamedTuple):
 def read_quantity(name: str, text: str, bounds: Bounds | None = None) -> Quantity:
     """Read a number with its unit and uncertainty: "5.2 N/mm ± 1 %", "(2310 ± 10) N/m", "3,1±0,01".
 
-    bounds : default, those of its name in `arguments.NUMBERS`.
+    bounds : default, those of the name in `arguments.NUMBERS`.
 
-    Raises ValueError naming the argument, the text, and what is understood.
+    Raises ValueError naming the argument, the text, and what can be read.
     """
     bounds = bounds or NUMBERS[name]
     end = ")" if text.strip()[:1] == "(" else "\0"
@@ -82,8 +82,8 @@ def _factor(si: str, unit: str) -> tuple[float, Coordinate | None]:
 
 
 def readings(text: str, decimal: str) -> list[float]:
-    """Return what a text may spell: one number, two where its only mark, which is not the decimal mark of the file it
-    stands in, may separate thousands or decimals, or none."""
+    """Return the numbers that a text may mean: none, one, or two if its only mark, which is not the decimal mark of the
+    file, may separate thousands or decimals."""
     marks = {mark for mark in ".," if re.fullmatch(rf"[1-9]\d{{0,2}}[{mark}]\d{{3}}", text)}
     texts = [text.replace(",", ".")] if marks else [text]
     texts += [re.sub("[.,]", "", text)] * bool(marks - {decimal})
@@ -93,7 +93,7 @@ def readings(text: str, decimal: str) -> list[float]:
 
 
 def _decimal(of: re.Match[str], name: str) -> Decimal:
-    """Return the number that a text spells. Raises ValueError where its comma may separate thousands as well."""
+    """Return the number that a text spells. Raises ValueError if its comma may separate thousands as well."""
     digits = re.sub(_THOUSAND, "", of["digits"])
     if re.fullmatch(r"[1-9]\d{0,2},\d{3}", digits):
         raise ValueError(
@@ -111,7 +111,7 @@ def _decimal(of: re.Match[str], name: str) -> Decimal:
 
 
 def _refuse_text(name: str, bounds: Bounds, text: str, why: str = "") -> NoReturn:
-    """Raise ValueError for a text that is no number with a unit."""
+    """Raise ValueError for a text that cannot be read as a number with a unit."""
     wanted = str(bounds).split(",")[0]
     if bounds.unit in _EXAMPLES:
         wanted += f", or one with its unit, {_EXAMPLES[bounds.unit]}"
@@ -119,7 +119,7 @@ def _refuse_text(name: str, bounds: Bounds, text: str, why: str = "") -> NoRetur
 
 
 def quantity(name: str, value: object, bounds: Bounds | None = None) -> float:
-    """Return a number as a float, SI; a text as `read_quantity` reads it, without an uncertainty."""
+    """Return a number, or a text that `read_quantity` reads and that has no uncertainty, as a float in SI."""
     if not isinstance(value, str):
         return number(name, value, bounds)
     read = read_quantity(name, value, bounds)
@@ -131,11 +131,11 @@ def quantity(name: str, value: object, bounds: Bounds | None = None) -> float:
 def with_error(
     name: str, value: object, bounds: Bounds | None = None, uncertainty: float = 0.0
 ) -> tuple[float, float]:
-    """Return a number and its standard uncertainty, SI: 2310.0, (2310.0, 10.0), or a text as `read_quantity` reads it,
-    "2310±10" or "5.2 N/mm ± 1 %".
+    """Return a number and its standard uncertainty in SI, from 2310.0, (2310.0, 10.0), or a text that `read_quantity`
+    reads, "2310±10" or "5.2 N/mm ± 1 %".
 
-    uncertainty : of a number alone, as a part of it. With 0.005, 3.1, "3.1" and "3.100" have one of 0.0155. (3.1, 0.0)
-    and "3.1±0" are exact.
+    uncertainty : relative one of a number that states none: with 0.005, that of 3.1 and "3.1" is 0.0155, while
+    (3.1, 0.0) and "3.1±0" are exact.
     """
     bounds = bounds or NUMBERS[name]
     pair: Any = value

@@ -1,10 +1,10 @@
 """The channels of a record in SI units from an open table: the one place where a record is checked.
 
-Mapping, headings, units and samples say which channel holds what; each must have its unit and its times, and samples
-that are finite, within bounds, in equal steps, not constant, and no integers that ran over. Times that were rounded to
-too few digits are put in equal steps. Single samples that are missing, empty or not a number are left out of what is
-fitted, and rows that are there twice are dropped, with a warning that says how many and where. A table that cannot be
-used is refused with what is missing, and with the mapping to write where that is the remedy.
+Mapping, headings, units and samples say which channel holds what. Each channel needs a unit, times, and samples that
+are finite, within bounds, in equal steps, not constant and free of integer overflow. Times with too few digits are put
+in equal steps. Single samples that are missing or not a number are left out of the fit, and repeated rows are dropped,
+with a warning that says how many and where. A table that cannot be used is refused with a message that names what is
+missing, and the mapping to write if that is the remedy.
 """
 
 from __future__ import annotations
@@ -21,10 +21,9 @@ from ..findings.finding import Finding
 from ..project.spelling import spelled
 from ..project.wording import listed, shortened
 from . import errors
-from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, Correction, sample_times
+from .channel import EXCITATIONS, QUANTITIES, RESPONSES, Channel, is_loop, sample_times
 from .clock import Clock, clock_of, left_out
-from .coordinate import TRANSLATION, Coordinate
-from .draft import unclear
+from .draft import question, unclear
 from .errors import RecordError, RecordWarning
 from .guess import BY_UNIT, Guesses, first_of
 from .headings import unit_of
@@ -32,28 +31,26 @@ from .mapping import ChannelRule, RecordMapping
 from .record import Record
 from .table import Table
 from .units import DIMENSIONS, SI, VOLTAGE, UnitError, find_other, unit_for
-from .untimed import is_loop, of_speeds
 
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """One quantity of the record: value in SI = factor · what channel `index` holds.
+    """The channel to read for a quantity: value in SI = factor · reading of channel `index`.
 
-    time : index of its time channel, None for equal steps at `rate_hz` from `start` (s) on, at a rate of 0 without
-    times; time_factor : seconds per unit of that channel.   correction : that its harmonics need.
-    coordinate : whether it rotates.   steady : whether its rows are steady states and no samples of a signal.
+    rule : of the mapping or the guesses.   time : index of its time channel; None for equal steps at `rate_hz` from
+    `start` (s) on, or without times if the rate is 0.   time_factor : seconds per unit of the time channel.
+    steady : whether its rows are steady states instead of samples of a signal.
     """
 
     quantity: str
     index: int
     name: str
     factor: float
+    rule: ChannelRule
     time: int | None = None
     time_factor: float = 1.0
     rate_hz: float = 0.0
     start: float = 0.0
-    correction: Correction | None = None
-    coordinate: Coordinate = TRANSLATION
     steady: bool = False
 
 
@@ -63,11 +60,10 @@ def recognise(table: Table, mapping: RecordMapping, *others: tuple[Table, Record
     mapping : what the table does not say.   others : more tables that hold channels of the record, with their parts of
     the mapping.
 
-    Raises RecordError for a record that cannot be used, naming what is missing or wrong and the remedy: channels that
-    cannot be distinguished, as `picks_of`; channel and line or sample of a value that is infinite or beyond all bounds,
-    of more than a few that are missing, times that do not increase, have a long gap or unequal steps, a constant
-    response, an integer that ran over, channels of unequal lengths. Warns of what looks odd, and of what is left out
-    (RecordWarning).
+    Raises RecordError for a record that cannot be used, naming what is wrong, where, and the remedy: channels that
+    cannot be distinguished (see `picks_of`), infinite or absurd values, many missing ones, times that do not increase
+    or have a long gap or unequal steps, a constant response, integer overflow, channels of unequal lengths. Warns
+    (RecordWarning) of what looks odd and of what is left out.
     """
     order, channels = list(QUANTITIES), list[Channel]()
     for file, of in ((table, mapping), *others):
@@ -79,17 +75,17 @@ def recognise(table: Table, mapping: RecordMapping, *others: tuple[Table, Record
 def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
     """Return what to read from a file, in the order of QUANTITIES.
 
-    Raises RecordError naming the channel and the remedy: one that is not there, is there twice or has no unit or no
-    time, a unit that does not fit; channels that cannot be distinguished, with the mapping to write.
+    Raises RecordError naming the channel and the remedy: one that is missing, is there twice or lacks a unit or times,
+    a unit that does not fit; for channels that cannot be distinguished, with the mapping to write.
     """
     guesses = Guesses(file, mapping)
     rules: Mapping[str, ChannelRule] = mapping.channels
     if not rules:
-        for question in guesses.questions():
-            raise unclear(guesses, question)
+        if open_question := question(guesses):
+            raise unclear(guesses, open_question)
         rules = guesses.rules
     found = {q: guesses.find(of.channel, f"channels.{q}.channel")[0] for q, of in rules.items()}
-    untimed = is_loop(found) and not mapping.free, of_speeds(guesses, found)
+    untimed = is_loop(found) and not mapping.free, guesses.are_steady_speeds(found)
     picks = tuple(_pick(guesses, q, found[q], rules[q], *untimed) for q in QUANTITIES if q in found)
     for said in () if mapping.channels else _said(guesses, picks):
         warnings.warn(RecordWarning(guesses.path, said), stacklevel=2)
@@ -99,9 +95,9 @@ def picks_of(file: Table, mapping: RecordMapping) -> tuple[Pick, ...]:
 def _pick(
     guesses: Guesses, quantity: str, index: int, rule: ChannelRule, untimed: bool, steady: bool
 ) -> Pick:
-    """Return the pick of a channel with the times that the mapping or the file gives it.
+    """Return the pick of a channel, with the times that the mapping or the file gives it.
 
-    untimed : whether it does without, as a measured loop.   steady : whether it has none, as steady speeds.
+    untimed : whether it needs no times, as in a measured loop.   steady : whether it is of a table of steady speeds.
     """
     raw = guesses.channels[index]
     if raw.stamps:
@@ -109,19 +105,14 @@ def _pick(
             f"{guesses.path}: channel {shortened(raw.name)} holds points in time, no {quantity}; give another"
         )
     scale = raw.scale if rule.scale is None else rule.scale
-    # of volts, and of what the file scales, a unit alone does not say it
+    # if the file has volts or a scale, a unit alone does not tell the scale
     unscaled = find_other(raw.unit or "") == VOLTAGE or raw.scale != 1.0
     if math.isnan(scale) or (rule.unit and rule.scale is None and unscaled):
         what = f"what is the scale of {guesses.names[index]}?"
         raise _asked(guesses, what, f"Say it at channels.{quantity}")
     factor = rule.sign * scale
     factor *= _unit(guesses, index, rule.unit or unit_of(raw), rule.coordinate.key(quantity))
-    pick = Pick(
-        *(quantity, index, raw.name, factor),
-        correction=rule.correction,
-        coordinate=rule.coordinate,
-        steady=steady,
-    )
+    pick = Pick(quantity, index, raw.name, factor, rule, steady=steady)
     if steady:
         return pick
     if guesses.mapping.sample_rate_hz is not None:
@@ -148,8 +139,8 @@ def _pick(
 
 
 def _said(guesses: Guesses, picks: Sequence[Pick]) -> Iterator[Finding]:
-    """Yield what is told of the channels read and left out: how a unit or an axis was found; signals as long as those
-    read; a displacement or velocity that only its unit shows, which may be that against a base that moves."""
+    """Yield findings on the channels: how a unit or an axis was found, which channels are left out, and a displacement
+    or velocity known only by its unit, which may be relative to a moving base."""
     names, raws, own = guesses.names, guesses.channels, [pick.index for pick in picks]
     yield from (of.said for of in guesses.all.values() if of.said)
     clocks = {pick.time: pick.index for pick in picks if pick.time is not None}
@@ -195,8 +186,8 @@ def _unit(guesses: Guesses, i: int, text: str | None, quantity: str) -> float:
 
 
 def _asked(guesses: Guesses, what: str, remedy: str) -> RecordError:
-    """Return the error for a channel that something must be said of, with the mapping to write, or the remedy in the
-    one that there is."""
+    """Return the error for a channel that needs an answer, with the mapping to write, or the change to the existing
+    one."""
     if guesses.mapping.channels:
         return RecordError(f"{guesses.path}: {what} {remedy} in {guesses.where}")
     return unclear(guesses, what)
@@ -217,7 +208,7 @@ def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
             each = ", ".join(f"{name} has {columns[i].size}" for i, name in named.items())
             raise RecordError(f"{file.path}: channels and times of unequal lengths: {each} samples")
         size = sizes.pop()
-        if time is not None:  # a shorter time base leaves rows at the end that are empty in all
+        if time is not None:  # a shorter time base leaves rows at the end that are empty
             filled = np.flatnonzero(~np.all([np.isnan(columns[i]) for i in named], axis=0))
             size = int(filled[-1]) + 1 if filled.size else 0
         if size < 3:
@@ -240,11 +231,8 @@ def _channels(file: Table, picks: Sequence[Pick]) -> Iterator[Channel]:
 
 
 def _checked(file: Table, pick: Pick, values: Array, clock: Clock) -> Channel:
-    """Return the channel of these rows, checked, by their clock.
-
-    Raises RecordError as `recognise`.
-    """
-    unit, this = pick.coordinate.unit(QUANTITIES[pick.quantity]), f"channel {pick.name!r}"
+    """Return the checked channel. Raises RecordError as `recognise`."""
+    unit, this = pick.rule.coordinate.unit(QUANTITIES[pick.quantity]), f"channel {pick.name!r}"
     signal = _in_si(file, pick.index, values, pick.factor, errors.LARGEST_VALUE, unit)
     empty, present = (np.flatnonzero(np.isnan(values) == lacks) for lacks in (True, False))
     for odd in left_out("no numbers", this, empty, file.place):
@@ -255,7 +243,7 @@ def _checked(file: Table, pick: Pick, values: Array, clock: Clock) -> Channel:
         _require_moving(f"{file.path}: {this}", pick, values[present], unit)
     try:
         samples, missing = clock.onto(signal)
-        of = pick.name, pick.correction, pick.coordinate
+        of = pick.name, pick.rule.correction, pick.rule.coordinate
         timed = pick.time is not None or pick.rate_hz > 0.0
         return Channel(pick.quantity, clock.t, samples, *of, missing, timed, pick.factor)
     except ValueError as error:
@@ -278,11 +266,11 @@ def _require_moving(channel: str, pick: Pick, values: Array, unit: str) -> None:
 
 
 def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, unit: str) -> Array:
-    """Return the values in SI, finite and within the bound either way; a few may be missing, NaN."""
+    """Return values in SI, after checking that they are finite and below the bound; a few may be missing (NaN)."""
     with np.errstate(over="ignore", invalid="ignore"):  # a damaged file has signalling NaN, too
         signal = values * factor
     beyond, missing = np.abs(signal) > bound, np.isnan(values)
-    # 0.03 of the rows of a channel or its times: more are no oversight
+    # a record that lacks more than 3 % of its samples is not usable
     bad = np.flatnonzero(beyond | missing if missing.mean() > 0.03 else beyond)
     if not bad.size:
         return signal
@@ -298,14 +286,14 @@ def _in_si(file: Table, index: int, values: Array, factor: float, bound: float, 
 
 
 def _require_no_overflow(file: Table, pick: Pick, values: Array, present: Integers) -> None:
-    """Raise RecordError for a jump through nearly the whole range of an integer type, from its one end to the other.
+    """Raise RecordError for a jump through nearly the whole range of an integer type.
 
-    present : numbers of the samples that are not missing.
+    present : indices of the samples that are not missing.
     """
     values = values[present]
     jumps = np.abs(np.diff(values))
     i = int(np.argmax(jumps))
-    # integers that converters and files have
+    # bits of integers in converters and files
     bits = next((bits for bits in (8, 16, 24, 32, 64) if np.ptp(values) < 2.0**bits), 0)
     # no oscillation passes through so much of its range from one sample to the next
     if not bits or jumps[i] <= 0.9 * 2.0**bits or np.any(values != np.round(values)):

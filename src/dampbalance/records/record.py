@@ -1,7 +1,7 @@
 """A record as an identification takes it: the channels of one response, in SI units, each with its own times.
 
-The channels may have different time bases, offsets and noise, and the base may have been measured as displacement,
-acceleration or force. `signals/conditioning.py` makes harmonics of them.
+The channels may have different time bases, offsets and noise, and the excitation may be a motion of the base or a
+force. `signals/conditioning.py` turns them into harmonics.
 """
 
 from __future__ import annotations
@@ -28,14 +28,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record:
-    """One record, of a steady response at one level of excitation or of free decays: its channels by quantity, an
-    excitation, unless it is a free decay, and at least one response.
+    """A record of a steady response at one level of excitation, or of free decays: at least one response and, unless
+    it is of free decays, one excitation. `record["displacement"]` is a channel.
 
-    name : for messages and tables; the path of a file.   channels : by quantity, `record["displacement"]`.
-    label : of its level, for plots; the name where it is empty.   rules : what its mapping says.
-    warnings : what is odd about it.   files : digests of what it was read from.
+    name : for messages and tables; the path of a file.   channels : by quantity.   label : of the level, for plots;
+    default, the name.   rules : its mapping.   warnings : what is odd about it.   files : digests of its files.
 
-    Raises ValueError naming the record when there is no response, or more than one excitation.
+    Raises ValueError naming the record if there is no response or more than one excitation.
     """
 
     name: str
@@ -63,7 +62,7 @@ class Record:
 
     @classmethod
     def of(cls, name: str, channels: Iterable[Channel]) -> Record:
-        """Return a record of the channels given. Raises ValueError when two hold the same quantity."""
+        """Return a record of these channels. Raises ValueError if two hold the same quantity."""
         by_quantity: dict[str, Channel] = {}
         for channel in items("channels", channels, "a sequence of channels"):
             instance("each of the channels", channel, Channel)
@@ -85,31 +84,31 @@ class Record:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What it holds, by the names of `records.channel.QUANTITIES`."""
+        """The quantities that it holds, of `records.channel.QUANTITIES`."""
         return tuple(self.channels)
 
     def corrected(self) -> Record:
-        """Return the record with the known gain, delay and filters of each channel taken off its samples."""
+        """Return the record with the known gain, delay and filters of each channel removed from its samples."""
         return replace(self, channels={q: of.corrected() for q, of in self.channels.items()})
 
     @property
     def coordinate(self) -> Coordinate:
-        """Whether it moves along a line or rotates."""
+        """The coordinate: a motion along a line, or a rotation."""
         return next((of.coordinate for of in self.channels.values()), TRANSLATION)
 
     @property
     def timed(self) -> bool:
-        """Whether its samples have times; without, `t` of its channels are numbers of samples."""
+        """Whether its samples have times; if not, `t` of a channel counts samples."""
         return all(of.timed for of in self.channels.values())
 
     @property
     def driven(self) -> bool:
-        """Whether there is an excitation; without one it is of free decays."""
+        """Whether there is an excitation; a record without one is of free decays."""
         return not self.channels.keys().isdisjoint(EXCITATIONS)
 
     @property
     def excitation(self) -> Channel:
-        """The channel that drives the oscillator. Raises ValueError where there is none."""
+        """The channel that drives the oscillator. Raises ValueError if there is none."""
         if not self.driven:
             needed = f"one excitation ({', '.join(EXCITATIONS)})"
             raise ValueError(f"{self.name}: needs {needed}, found none")
@@ -121,8 +120,8 @@ class Record:
         return tuple(self[q] for q in RESPONSES if q in self)
 
     def columns(self) -> dict[str, Array]:
-        """Return the samples by column, named with its SI unit, with their times before them: time_s for all channels,
-        or displacement_time_s for each where they differ; sample, the number of each, where they have none."""
+        """Return the samples as columns named with their SI units, after their times: time_s for all channels, or
+        displacement_time_s etc. if they differ; without times, sample, the number of each."""
         channels = [self[q] for q in QUANTITIES if q in self]
         shared = all(np.array_equal(of.t, channels[0].t) for of in channels)
         columns: dict[str, Array] = {}
@@ -133,10 +132,10 @@ class Record:
         return columns
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the samples: a column for each channel, named with its SI unit, and their times, time_s, as index; the
-        number of each, sample, where they have none.
+        """Return the samples as a table: a column for each channel, named with its SI unit, and the times, time_s, as
+        index; without times, sample, the number of each.
 
-        Raises ValueError where the channels have different times.
+        Raises ValueError if the channels have different times.
         """
         import pandas as pd  # slow to import
 
@@ -148,7 +147,7 @@ class Record:
         return pd.DataFrame(columns).set_index(index)
 
     def __repr__(self) -> str:
-        """Return the contents of the record in a line."""
+        """Summarize the record in a line."""
         held = listed([self.coordinate.noun(quantity) for quantity in self.quantities])
         t = max((of.t for of in self.channels.values()), key=len)
         sampled = f"{t.size:,} samples without times"

@@ -1,4 +1,4 @@
-"""What the samples of a column show of it, and how two columns belong together, where names and units do not say it."""
+"""What the samples of columns show where names and units do not say it: what one holds, and how two are related."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, Complexes
 
-_ENOUGH = 64  # samples that show whether they are noise, and whether a motion dies out
-_PARTS = 4  # of a record, each with most of a cycle at least
-_DIED = 0.35  # of the largest range in a part, left in the last
-_BAND = 0.02  # of the strongest line: weaker ones show noise
-_ALIKE = 0.95  # correlation of two columns that are one motion
-_OUTSIDE = 0.1  # of half the range: nearer to its middle a loop may rest
-_NEAR = 4.0  # times slower or faster than a response: what swings within may drive it
-_ARC = 0.9  # share of the variance that a parabola of another coordinate explains
+_ENOUGH = 64  # samples, the fewest that show noise or a decay
+_PARTS = 4  # parts of a record, each at least most of a cycle long
+_DIED = 0.35  # largest range of the last part of a decay, relative to the widest part
+_BAND = 0.02  # relative to the strongest line; weaker ones show noise
+_ALIKE = 0.95  # least correlation of two columns that show one motion
+_OUTSIDE = 0.1  # relative to half the range; a loop may rest nearer to its middle
+_NEAR = 4.0  # a drive swings at most this many times slower or faster than the response
+_ARC = 0.9  # least share of the variance that a parabola explains, or turns per period
 
 
 def aside(values: Array) -> str:
-    """Say why a column is no motion; "" for one that moves."""
+    """Return why a column is no motion; "" if it is one."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return "it is empty" if values.size else "it does not hold numbers"
@@ -35,7 +35,7 @@ def aside(values: Array) -> str:
 
 
 def equal_step(values: Array) -> float | None:
-    """Return the step of values that rise in equal steps, as times and counters do; None for others."""
+    """Return the step of values that rise in equal steps, as times and counters do; None for other values."""
     # fewer samples do not show whether they rise in equal steps
     if values.size < 4:
         return None
@@ -51,18 +51,25 @@ def counts(values: Array) -> bool:
     return equal_step(values) == 1.0 and not np.any(values % 1.0)
 
 
-def strikes(values: Array) -> bool:
-    """Return whether a channel rests but for short blows one way; a spike of one or two samples is none."""
-    if values.size < _ENOUGH:
-        return False
+def blows(values: Array) -> tuple[bool, Array]:
+    """Return whether a channel rests except for brief blows, and its deviations from rest, (n − 2,).
+
+    Of each three neighbours the middle one counts, so that a spike of one or two samples is no blow.
+    """
     low, high = np.minimum(values[:-2], values[1:-1]), np.maximum(values[:-2], values[1:-1])
     middle = np.maximum(low, np.minimum(high, values[2:]))
     off = middle - np.median(middle)
-    peak, other = sorted([off.max(), -off.min()], reverse=True)
-    # 0.05 of its peak: a blow leaves a channel this near to rest for 95 % of the time
-    rests = np.quantile(np.abs(off), 0.95) <= 0.05 * peak
-    # 0.3 of its peak, that a blow goes the other way at the most
-    return bool(rests and other <= 0.3 * peak)
+    # a blow leaves a channel within 5 % of its peak from rest for 95 % of the time, a steady motion for 3 %
+    return bool(np.quantile(np.abs(off), 0.95) <= 0.05 * np.abs(off).max()), off
+
+
+def strikes(values: Array) -> bool:
+    """Return whether a channel rests except for brief blows in one direction, as that of a hammer."""
+    if values.size < _ENOUGH:
+        return False
+    rests, off = blows(values)
+    # a blow swings back by at most 0.3 of its peak
+    return rests and bool(min(off.max(), -off.min()) <= 0.3 * np.abs(off).max())
 
 
 def _is_noise(values: Array) -> bool:
@@ -83,8 +90,7 @@ def _is_noise(values: Array) -> bool:
 
 
 def dies_out(values: Array) -> bool:
-    """Return whether a motion swings less and less up to the end of its record, as a decay does: one that is driven and
-    stops at the end goes on before."""
+    """Return whether a motion swings less and less until the end of the record, as a decay does."""
     finite = values[np.isfinite(values)]
     if finite.size < _ENOUGH or np.count_nonzero(np.diff(finite > np.median(finite))) < _PARTS:
         return False
@@ -96,14 +102,13 @@ def dies_out(values: Array) -> bool:
 
 
 def slope(values: Array, other: Array, dt: float, order: int = 1) -> float | None:
-    """Return by how much another column is more than the time derivative of one; None where it is none.
+    """Return the ratio of another column to the time derivative of a column; None if they are not proportional.
 
-    Only lines that both have are compared, so that noise counts little.   dt : s.   order : 2 for the second one.
+    Only lines that both spectra have are compared, so that noise counts little.   dt : s.   order : of the derivative.
     """
     if values.size != other.size or values.size < _ENOUGH:
         return None
-    taper = np.hanning(values.size)
-    A, B = (np.fft.rfft(np.nan_to_num(of - np.nanmean(of)) * taper) for of in (values, other))
+    A, B = _spectrum(values), _spectrum(other)
     D = (2j * math.pi * np.fft.rfftfreq(values.size, dt)) ** order * A
     product = np.abs(A * B)
     clear = product > _BAND * product.max()
@@ -113,8 +118,13 @@ def slope(values: Array, other: Array, dt: float, order: int = 1) -> float | Non
     return common / own if alike else None
 
 
+def _spectrum(values: Array) -> Complexes:
+    """Return the spectrum of samples under a Hann window, missing ones replaced by the mean."""
+    return np.fft.rfft(np.nan_to_num(values - np.nanmean(values)) * np.hanning(values.size))
+
+
 def _together(values: Array, other: Array) -> tuple[Array, Array] | None:
-    """Return the samples that both columns have; None where they are few, or one column does not move."""
+    """Return the samples that both columns have; None if they are few or one column does not move."""
     both = np.isfinite(values) & np.isfinite(other) if values.size == other.size else np.zeros(0)
     if np.count_nonzero(both) < _ENOUGH or not np.ptp(values[both]) or not np.ptp(other[both]):
         return None
@@ -128,11 +138,8 @@ def same_motion(values: Array, other: Array) -> bool:
 
 
 def along(values: Array, axes: Sequence[Array]) -> float:
-    """Return by how much more a body moves along its own direction than along one axis, by the strong lines of it."""
-    taper = np.hanning(values.size)
-    first, *others = (
-        np.fft.rfft(np.nan_to_num(of - np.nanmean(of)) * taper) for of in (values, *axes)
-    )
+    """Return the ratio of a body's motion to its part along one axis, from the strong lines of the spectra."""
+    first, *others = map(_spectrum, (values, *axes))
     power = np.abs(first) ** 2
     clear = power > _BAND * power.max()
     total = float(power[clear].sum()) or 1.0
@@ -140,19 +147,17 @@ def along(values: Array, axes: Sequence[Array]) -> float:
 
 
 def may_drive(values: Array, response: Array) -> bool:
-    """Return whether a column swings at about the rate of a response, not in proportion: what drives it may do so."""
+    """Return whether a column may drive a response: it swings at about its rate, but not in proportion to it."""
     if values.size != response.size or values.size < _ENOUGH or same_motion(values, response):
         return False
-    taper = np.hanning(values.size)
-    both = (np.nan_to_num(of - np.nanmean(of)) * taper for of in (values, response))
-    own, its = (np.abs(np.fft.rfft(of)[1:]) ** 2 for of in both)
+    own, its = (np.abs(_spectrum(of)[1:]) ** 2 for of in (values, response))
     line = int(np.argmax(its)) + 1
     near = own[math.ceil(line / _NEAR) - 1 : math.floor(line * _NEAR)]
     return bool(near.sum() > 0.5 * own.sum())
 
 
 def is_arc(values: Array, other: Array) -> bool:
-    """Return whether a column is the height of a bob whose other coordinate is given: a parabola over it, no line."""
+    """Return whether a column is a parabola over another, as the height of a bob is over its horizontal coordinate."""
     if (both := _together(values, other)) is None:
         return False
     y, x = both[0], both[1] - both[1].mean()
@@ -162,8 +167,8 @@ def is_arc(values: Array, other: Array) -> bool:
 
 
 def steady_speeds(values: Array) -> bool:
-    """Return whether velocities are of both directions, each steady: they do not pass through zero again and again
-    after several samples each, as those of a motion do."""
+    """Return whether velocities are steady speeds in both directions, and not samples of a motion, which pass through
+    zero repeatedly after several samples each."""
     way = values[np.isfinite(values) & (values != 0.0)] > 0.0
     passes = np.count_nonzero(np.diff(way))
     # more than three passes through zero, with four samples for each, are of a motion in time
@@ -172,7 +177,7 @@ def steady_speeds(values: Array) -> bool:
 
 
 def go_round(values: Array, other: Array) -> bool:
-    """Return whether two columns go round their middle in each period."""
+    """Return whether two columns trace a loop about their middle in each period."""
     if (both := _together(values, other)) is None:
         return False
     x, y = ((2.0 * of - of.max() - of.min()) / np.ptp(of) for of in both)

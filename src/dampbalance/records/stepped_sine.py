@@ -1,10 +1,10 @@
 """Tables of steady responses to a stepped sine: frequency, amplitudes of force or base and of the response, phase.
 
-A line is the steady response at one frequency and one level of excitation. Laboratories write the phase in many ways:
-as a lead or a lag, of the response against the drive or the other way round, of displacement, velocity or acceleration.
-Which one it is follows from the lines themselves. With φ, by which the displacement lags the force F, the force puts
-W = πFX sin φ into a cycle, which is positive in every line; of the conventions for which it is, that one holds under
-which each level is nearest to an oscillator, (F/X) e^{iφ} = k − mω² + i(ωc + h) with k, m, c and h ≥ 0.
+A line is the steady response at one frequency and one level of excitation. Laboratories count the phase in many ways:
+as a lead or a lag, of the response or the drive, of displacement, velocity or acceleration. The convention follows from
+the lines themselves. If the displacement lags the force F by φ, the work of the force per cycle, W = πFX sin φ, is
+positive in every line; of the conventions for which this holds, the one with the closest fit of an oscillator to each
+level is taken, (F/X) e^{iφ} = k − mω² + i(ωc + h) with k, m, c and h ≥ 0.
 """
 
 from __future__ import annotations
@@ -23,10 +23,9 @@ from .channel import ABSOLUTE, Channel
 from .draft import unclear
 from .errors import RecordError
 from .guess import Guesses
-from .headings import STANDARD_ERROR, column_of, last_part, unit_of, words_of
+from .headings import STANDARD_ERROR, column_of, is_stepped_sine, last_part, unit_of, words_of
 from .mapping import ChannelRule, RecordMapping
 from .record import Record
-from .stepped_tables import is_table_of_lines
 from .table import Table
 from .units import (
     PER_FORCE,
@@ -42,31 +41,33 @@ if TYPE_CHECKING:
     import pandas as pd
 
 _ORDERS = {"force": 0, "length": 0, "velocity": 1, "acceleration": 2}
-_FEWEST = 3  # lines of a level
+_FEWEST_LINES = 3  # of a level
 
 _EMPTY = "is empty or not a number; repair it, or delete the line"
-_POSITIVE = "is not positive, which all but phases must be; check the column, or delete the line"
+_POSITIVE = (
+    "is not positive, as everything except a phase must be; check the column, or delete the line"
+)
 _RISING = (
-    "turns back or stands, and the lines of a level go up or down in frequency; name a column of levels, or delete the "
+    "turns back or stands, but the frequencies of a level must rise or fall; name a column of levels, or delete the "
     "line"
 )
-_MIXED = (
-    "follows another convention than most lines: with it the drive would take energy out; correct its sign, or delete "
-    "the line"
-)
+_MIXED = "follows another convention than most lines (the drive would extract energy): correct it, or delete the line"
+_COHERENT = "is no coherence, which lies above 0 and does not exceed 1; check the column, or delete the line"
 
-_COHERENT = "is no coherence, which is above 0 and up to 1; check the column, or delete the line"
-
-Place = tuple[str, int]  # of a level in a file: group and number
+Place = tuple[str, int]  # group and number of a level in a file
 
 
 @dataclass(frozen=True, eq=False)
 class SteppedLevel:
     """The lines of one level of excitation, (n,), in SI units.
 
-    name : of the level.   omega : rad/s.   drive : amplitude of the force, N, or of the base displacement, m.   X :
-    amplitude of the displacement, m.   phi : by which it lags the drive, rad, 0 to π.   error : relative standard error
-    of F/X, and standard error of phi, rad; None where the table states none.   rows : of the file, from 0 on.
+    name : of the level.
+    omega : rad/s.
+    drive : amplitude of the force, N, or of the base displacement, m.
+    X : amplitude of the displacement, m.
+    phi : phase by which it lags the drive, rad, 0 to π.
+    error : relative standard error of F/X and standard error of phi, rad; None if the table states none.
+    rows : rows of the file, counted from 0.
     """
 
     name: str
@@ -80,9 +81,9 @@ class SteppedLevel:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SteppedRecord(Record):
-    """A table of steady responses to a stepped sine as one of the records of `read_records`; it has no samples.
+    """A table of steady responses to a stepped sine as a record of `read_records`; it has lines instead of samples.
 
-    levels : of excitation.   held : drive and response, as its columns hold them.   convention : how its phases are
+    levels : of excitation.   held : the quantities of its drive and its response.   convention : how its phases are
     counted, in words.
     """
 
@@ -96,17 +97,17 @@ class SteppedRecord(Record):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """What its columns hold."""
+        """The quantities of its drive and its response."""
         return self.held
 
     @property
     def by_force(self) -> bool:
-        """Whether a force drives; the base otherwise."""
+        """Whether a force drives, and not the base."""
         return self.held[0] == "force"
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the lines: level, frequency_Hz, force_N or base_displacement_m, displacement_m, phase_rad (of the
-        lag)."""
+        """Return the lines as a table: level, frequency_Hz, force_N or base_displacement_m, displacement_m, and the
+        phase_rad by which the displacement lags."""
         import pandas as pd  # slow to import
 
         columns = [(of.omega / (2.0 * math.pi), of.drive, of.X, of.phi) for of in self.levels]
@@ -124,7 +125,7 @@ class SteppedRecord(Record):
         )
 
     def __repr__(self) -> str:
-        """Lines, levels and convention, in a line."""
+        """Summarize the table in a line."""
         sizes = [of.X.size for of in self.levels]
         levels = f"{sum(sizes)} lines at {len(sizes)} level{'s' * (len(sizes) > 1)}"
         return f"<table {self.name}: {levels}; {self.convention}>"
@@ -133,22 +134,22 @@ class SteppedRecord(Record):
 def read_lines(
     file: Table, rules: RecordMapping, label: str, stated: bool = False
 ) -> SteppedRecord | None:
-    """Return the record of an open file that is a table of steady responses, as stated or by its columns, in SI units;
-    None for another.
+    """Return the record, in SI units, in an open file that is a table of steady responses; None for any other file.
 
-    rules : what the file does not say.   label : of a level that has no name of its own.
+    rules : what the file does not say.   label : of a level without a name.   stated : whether it is known to be a
+    table; otherwise its columns decide.
 
-    Raises RecordError naming file, column or line, and remedy: a column that is missing or unclear, a unit that is
-    missing or wrong, a value that is missing, an amplitude that is not positive, frequencies of a level that turn or
-    stand, a constant column, phases in another unit than is stated, lines with phases of another convention.
+    Raises RecordError naming file, column or line, and the remedy: a column that is missing or unclear, a unit that is
+    missing or wrong, a missing value, an amplitude that is not positive, frequencies of a level that turn back or
+    stand, a constant column, phases in another unit than stated, lines with phases of another convention.
     """
-    if not (stated or is_table_of_lines(file, rules)):
+    if not (stated or is_stepped_sine(file, rules)):
         return None
     return _Table(file, rules).read(visible(rules.level or label))
 
 
 class _Table:
-    """The columns of a file, as mapping or headings tell them apart: quantity → place of the level → column."""
+    """The columns of a file by mapping or headings: quantity → place of the level → column."""
 
     def __init__(self, file: Table, rules: RecordMapping) -> None:
         self.file, self.rules = file, rules
@@ -172,19 +173,20 @@ class _Table:
         needed |= {drive: drives, f"a response ({', '.join(TABLE_RESPONSES)})": answers}
         wrong = [f"{listed(of) or 'nothing'} for {q}" for q, of in needed.items() if len(of) != 1]
         if wrong:
-            raise unclear(self.guesses, f"finds {listed(wrong)}")
+            each = " of each" * (len(wrong) > 1)
+            raise unclear(self.guesses, f"finds {listed(wrong)}, and needs one{each}")
         self.drive, self.answer = drives[0], answers[0]
         self.decibels: set[str] = set()
         units = (q for q in self.columns if TABLE_DIMENSIONS[q.removesuffix(STANDARD_ERROR)])
         self.factors = {q: self._factor(q) for q in units}
 
     def _error(self, words: str, row: int | None = None) -> RecordError:
-        """Return an error on the file, or on a row of a column."""
+        """Return an error that names the file, and a row of it."""
         line = "" if row is None else f"{self.file.place(row)}: "
         return RecordError(f"{self.file.path}: {line}{words}")
 
     def _named(self) -> Iterator[tuple[str, int]]:
-        """Yield quantities and their columns, by the mapping: of one name in several groups, or of a matrix."""
+        """Yield the quantities of the mapping with their columns, of one name in several groups or of a matrix."""
         for quantity, rule in self.rules.table.items():
             yield from (
                 (quantity, i) for i in self.guesses.find(rule.channel, f"table.{quantity}.channel")
@@ -194,7 +196,7 @@ class _Table:
                 yield from ((quantity + STANDARD_ERROR, i) for i in found)
 
     def _factor(self, role: str) -> float:
-        """Return SI units per unit of a column; of a standard error those of its quantity."""
+        """Return the size in SI of the unit of a column; for a standard error, that of its quantity."""
         quantity = role.removesuffix(STANDARD_ERROR)
         rule = self.rules.table.get(quantity, ChannelRule(1))
         raw = self.file.channels[next(iter(self.columns[quantity].values()))]
@@ -209,19 +211,18 @@ class _Table:
         except UnitError as error:
             words = f"column {shortened(raw.name)}: {error}"
             if not self.rules.table:
-                raise unclear(self.guesses, f"{words}.") from None
+                raise unclear(self.guesses, words) from None
             raise self._error(words) from None
         if quantity == "frequency":
             return 2.0 * math.pi * factor
         return math.sqrt(2.0) * factor if "rms" in words_of(raw.name) else factor
 
     def read(self, label: str) -> SteppedRecord:
-        """Return the table, with the lag φ of the displacement in each line."""
+        """Return the record, with the phase φ by which the displacement lags in each line."""
         levels = [*self._levels(label)]
         phases = np.concatenate([level.phi for level in levels])
         low, high, radians = float(phases.min()), float(phases.max()), self.factors["phase"] == 1.0
-        # 0.1 rad: phases that differ by less pass through no resonance
-        # no phase that is counted on over several turns goes beyond two
+        # phases beyond two turns are in degrees; phases within 0.1 rad pass through no resonance and are in rad
         many, few = max(-low, high) > 4.0 * math.pi, math.radians(1.0) < high - low < 0.1
         if many if radians else few:
             unit = "rad" if few else "deg"
@@ -244,8 +245,8 @@ class _Table:
         )
 
     def _levels(self, label: str) -> Iterator[SteppedLevel]:
-        """Yield each level, with phases as recorded, rad: of each group or column of a matrix, or of each
-        value of a column of levels."""
+        """Yield the levels, with phases as recorded, rad: one for each group, column of a matrix, or value in the
+        column of levels."""
         wanted = sorted({i for of in self.columns.values() for i in of.values()})
         values = self.file.columns(wanted)
         several = {q: of for q, of in self.columns.items() if len(of) > 1}
@@ -290,8 +291,10 @@ class _Table:
                 row = int(rows[np.argmin(holds)])
                 column = shortened(self.file.channels[own[q]].name)
                 raise self._error(f"column {column}, {columns[q][row]:.6g}, {words}", row)
-        if rows.size < _FEWEST:
-            raise self._error(f"{name} has {rows.size} lines; a level needs {_FEWEST} at least")
+        if rows.size < _FEWEST_LINES:
+            raise self._error(
+                f"{name} has {rows.size} lines; a level needs at least {_FEWEST_LINES}"
+            )
         drive = si.get(self.drive, np.full(rows.size, self.rules.force_N or 1.0))
         answer = si[self.answer] * (drive if self.answer in PER_FORCE else 1.0)
         for of, words in (
@@ -302,8 +305,7 @@ class _Table:
                 raise self._error(f"{name}: its {words} the same in all lines; check the column")
         orders = [_ORDERS[TABLE_DIMENSIONS[q or "force"]] for q in (self.drive, self.answer)]
         Y, X = drive / omega ** orders[0], answer / omega ** orders[1]
-        # m, of a displacement
-        if X.max() > 1.0:
+        if X.max() > 1.0:  # m
             at = int(rows[np.argmax(X)])
             raise self._error(
                 f"a displacement of {X.max():.3g} m is too large: is the unit of {self.answer} wrong?",
@@ -317,9 +319,9 @@ class _Table:
         both = [np.sum(squares, axis=0)] if squares else []
         both += [si[q] ** 2 for q in si if q == "phase" + STANDARD_ERROR]
         if "coherence" in columns:
-            # 1e12 averages, where they are not known: a coherence then gives weights, and the scatter their size
+            # 1e12 averages if the number is unknown: the coherence gives the weights, the scatter their size
             averages = columns["averages"][rows] if "averages" in columns else 1e12
-            # averages show a coherence to 1e-6 of 1
+            # a coherence is known to 1e-6 at best
             noise = np.maximum(1.0 - coherence, 1e-6) / (2.0 * coherence * averages)
             both.append(noise)
         error = np.sqrt(np.mean(both, axis=0)) if both else None
@@ -328,9 +330,9 @@ class _Table:
     def _convention(
         self, levels: Sequence[SteppedLevel], most: int
     ) -> tuple[int, int, list[Array]]:
-        """Return how phases p are counted, φ = n π/2 − s p with n < `most` quarters of a turn and the sign s; and φ.
+        """Return the convention of the phases p, n < `most` and s = ±1 in φ = n π/2 − s p, and φ of each level.
 
-        Raises RecordError naming the first line of another convention than most have, and where two are left.
+        Raises RecordError naming the first line that follows another convention, and if two conventions fit.
         """
         ways = {
             (n, s): [np.angle(np.exp(1j * (0.5 * math.pi * n - s * of.phi))) for of in levels]
@@ -347,7 +349,7 @@ class _Table:
             if phi.min() <= 0.0:
                 at = int(np.argmax(phi <= 0.0))
                 raise self._error(f"the phase {of.phi[at]:.4g} rad {_MIXED}", int(of.rows[at]))
-        # 1.5 times as far from an oscillator as another convention
+        # the second best convention must be 1.5 times as far from an oscillator
         if others and misfits[others[0]] < 1.5 * misfits[n, s]:
             raise self._error(
                 "its phases may be leads or lags; give lines on both sides of a resonance"
@@ -356,7 +358,7 @@ class _Table:
 
 
 def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> float:
-    """Return the distance of the levels from an oscillator each, Σ |1 − (k − mω² + i(ωc + h))/Z|², Z = (F/X) e^{iφ}."""
+    """Return the distance of the levels from oscillators, Σ |1 − (k − mω² + i(ωc + h))/Z|² with Z = (F/X) e^{iφ}."""
     from scipy.optimize import nnls  # slow to import
 
     total = 0.0
@@ -370,7 +372,7 @@ def _off_oscillators(levels: Sequence[SteppedLevel], phis: Sequence[Array]) -> f
 
 
 def _place(name: str) -> Place:
-    """Group and number of a column: "a.b.force[2]" is the second force in a.b."""
+    """Return group and number of a column: "a.b.force[2]" is the second force in a.b."""
     last = last_part(name)
     number = re.search(r"\[(\d+)\]$", last)
     return name.removesuffix(last).rstrip("/."), int(number[1]) if number else 0

@@ -1,6 +1,6 @@
-"""Records by simulation: the exact steady motion or a free decay, sampled, with noise. Always labelled as such.
+"""Simulated records: the exact steady motion or a free decay, sampled, with noise; their names say so.
 
-They serve to try an estimator on records whose truth is known. The white noise of the channels is independent.
+They serve to test an estimator on records with known parameters. The channels have independent white noise.
 """
 
 from __future__ import annotations
@@ -37,15 +37,22 @@ def measured_orbit(
     start: float = 0.0,
     source: str = "",
 ) -> Record:
-    """Return the steady response sampled at `rate_hz` for `cycles` periods of the drive, from the time `start` (s) on.
+    """Return a record of a steady response, simulated with noise.
 
-    noise : standard deviation of the white noise of each channel, as a part of the rms of its clean signal (0.01: 1 %);
-    one number for all channels or one by quantity (those not named have none).
-    seed : of the noise, channel by channel in the order of `channels`, or a generator to draw from.
-    channels : quantities to measure, all of a translation or all of a rotation, "angle" and the like: m, c, k, K_z, F_k
-    and Y of the orbit are then in kg m², N m s/rad, N m/rad, N m/rad, N m and rad.
+    Use it to try an identification on a record whose parameters are known, or to check a planned experiment.
 
-    Raises ValueError for an unknown quantity, a rate, a duration or a noise that makes no sense.
+    orbit : the steady response, as from `steady_orbit`.
+    rate_hz : samples per second.
+    cycles : length of the record in periods of the drive.
+    noise : standard deviation of the white noise of each channel, relative to the rms of its clean signal (0.01: 1 %);
+        one number for all channels, or one by quantity (a quantity that is not named has none).
+    seed : of the noise, drawn channel by channel in the order of `channels`, or a generator to draw from.
+    channels : quantities to measure, all of a translation, "displacement" and so on, or all of a rotation, "angle" and
+        so on; m, c, k, K_z, F_k and Y of the orbit are then in kg m², N m s/rad, N m/rad, N m/rad, N m and rad.
+    start : time of the first sample, s.
+    source : name of the record; default, one that states Y.
+
+    Raises ValueError for an unknown quantity and for a rate, a duration or a noise out of range.
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, measured_orbit, steady_orbit
@@ -83,16 +90,20 @@ def measured_ring_down(
     seed: int | np.random.Generator = 0,
     channels: Sequence[str] | str = ("displacement",),
 ) -> Record:
-    """Return a free decay from the displacement x (m), to which the mass was pulled, with velocity v (m/s), for
-    `duration` s.
+    """Return a record of a free decay, simulated with noise.
 
-    held : time for which the mass stands at x before, s.   noise : standard deviation of the white noise of each
-    channel, as a part of the largest value of its clean signal.   seed : of the noise, channel by channel.
-    channels : displacement, velocity and acceleration, or angle, angular_velocity and angular_acceleration of an
-    oscillator that rotates, whose x and v are in rad and rad/s.
+    Use it to try an identification on a record whose parameters are known, or to check a planned experiment.
 
-    Raises ValueError for a number outside its range, a channel that is not one of the mass, and where the mass does not
-    start or no sample is left.
+    x, v : displacement to which the mass is pulled, m, and its initial velocity, m/s; rad and rad/s for a rotation.
+    rate_hz : samples per second.
+    duration : of the decay, s.
+    held : time for which the mass is held at x before, s.
+    noise : standard deviation of the white noise of each channel, relative to the largest value of its clean signal.
+    seed : of the noise, drawn channel by channel, or a generator to draw from.
+    channels : displacement, velocity and acceleration, or angle, angular_velocity and angular_acceleration.
+
+    Raises ValueError for a number out of range, a channel that is not one of the mass, a mass that does not move, and
+    fewer than two samples.
 
     >>> from dampbalance import Oscillator, measured_ring_down
     >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208000.0, F_k=0.5)
@@ -119,7 +130,7 @@ def measured_ring_down(
 
 
 def _times(rate_hz: float, duration: float, start: float = 0.0) -> Array:
-    """Return sampling times, s. Raises ValueError where they are fewer than two."""
+    """Return sampling times, s. Raises ValueError for fewer than two."""
     count = round(duration * number("rate_hz", rate_hz))
     if count < 2:
         sampled = f"{duration:g} s at {rate_hz:g} samples per second"
@@ -136,7 +147,7 @@ def _record(
     size: Callable[[Array], float],
     seed: int | np.random.Generator,
 ) -> Record:
-    """Return the record of signals with noise, relative to the size of each."""
+    """Return the record of signals with noise, relative to the `size` of each."""
     if not isinstance(seed, np.random.Generator):
         seed = np.random.default_rng(whole("seed", seed))
     parts = dict.fromkeys(channels, noise)
@@ -174,14 +185,15 @@ def stepped_sine(
     noise: float = 0.0,
     seed: int = 0,
 ) -> dict[str, Array]:
-    """Return a table of steady responses to a stepped sine whose amplitude is controlled, columns by name, a line each.
+    """Return a table of steady responses to a stepped sine with controlled amplitude, as columns by name.
 
     At an amplitude X and a frequency ω/2π the force is |Z| X and the displacement lags it by arg Z, with the dynamic
     stiffness Z = k + ¾k_3X² − mω² + iωc + Σ κ D(X/r) of the fundamental (`law/contact.py`).
 
-    oscillator : m, c, k and k_3, SI units; what is left out is zero.   sliders : of the contact.
-    amplitudes : X of each level, m.   noise : standard deviation of the relative error of each force and response, and
-    of each phase, rad.   seed : of the noise.
+    oscillator : m, c, k and k_3 in SI units, zero if left out.   sliders : of the contact.
+    amplitudes : X of each level, m.   frequencies_hz : of the lines of each level.
+    noise : standard deviation of the relative error of each force and response, and of each phase, rad.
+    seed : of the noise.
     """
     parts = {name: oscillator.get(name, 0.0) for name in ("m", "c", "k", "k_3")}
     frequency = np.tile(np.asarray(frequencies_hz, dtype=np.float64), len(amplitudes))

@@ -1,5 +1,5 @@
-"""The channels of a record as they stand in a file, in arrays or in a table of pandas: names, units, sampling rates,
-and the samples as recorded. A reader of a format is a function from a path to a `Table`.
+"""The channels of a record as they are in a file, in arrays or in a table of pandas: names, units, sampling rates and
+samples as recorded. A reader of a format is a function from a path to a `Table`.
 """
 
 from __future__ import annotations
@@ -22,40 +22,31 @@ from ..findings.finding import Finding
 from ..project.wording import shortened
 from .errors import HIGHEST_RATE, LATEST, LOWEST_RATE, RecordError, RecordWarning
 from .units import split_label
+from .vocabulary import WORDS
 
-RATE_NAMES = (
-    "sample_rate_hz", "sample_rate", "sampling_rate", "samplerate", "sampling_frequency", "fs", "rate_hz",
-    "sample_frequency", "sampling_freq", "scan_rate", "acquisition_rate", "acquisition_frequency", "sampled_at",
-    "abtastrate", "abtastfrequenz", "messrate", "messfrequenz", "fréquence_d_échantillonnage", "采样频率", "采样率",
-    "サンプリング周波数",
-)  # fmt: skip
-STEP_NAMES = (
-    "wf_increment", "dt", "dt_s", "delta_t", "time_step", "sample_interval", "increment", "t_increment",
-    "sampling_interval", "sampling_time_interval", "sampling_period", "sample_period", "abtastintervall",
-    "pas_de_temps", "période_d_échantillonnage", "サンプリング間隔", "サンプリング周期", "采样间隔", "采样周期",
-)  # fmt: skip
-START_NAMES = ("wf_start_offset", "t0", "t_start", "start_time_s")
-UNIT_NAMES = ("unit", "units", "unit_string", "ni_unitdescription", "variableunits")
-"""Names, in lower case, under which files keep sampling rate (Hz), step (s), first time (s) and unit."""
+RATE_NAMES, STEP_NAMES, START_NAMES, UNIT_NAMES = map(
+    WORDS["fields"].__getitem__, ("rate", "step", "start", "unit")
+)
+"""Names, in lower case, under which files state sampling rate (Hz), step (s), first time (s) and unit."""
 
 TIMING_NAMES = frozenset((*RATE_NAMES, *STEP_NAMES, *START_NAMES))
 
 LONGEST_TAIL = 100
-"""Lines of text that may follow on the rows of numbers, as the remarks of a logger do."""
+"""Most lines of text that may follow the rows of numbers, such as remarks of a logger."""
 
 
 @dataclass(frozen=True, slots=True)
 class RawChannel:
     """A channel as the file has it.
 
-    name : without its unit.   label : with it, as it stands there.   unit : as spelt there, or None.
-    size : number of samples, or None if it shows only on reading.
-    rate_hz : samples per second, or None if the file does not say.   start : time of its first sample, s.
-    stamps : whether it holds points in time, or spans of it; read as s from the first on.
+    name : without its unit.   label : the heading, with the unit.   unit : as spelt in the file, or None.
+    size : number of samples, or None if it is known only after reading.
+    rate_hz : samples per second, or None if the file does not state it.   start : time of the first sample, s.
+    stamps : whether it holds points in time or time spans; read as s from the first on.
     fault : of the rate, the step or the first time that the file states; "" for none.
-    scale : units per reading, where the file states it; NaN where it may be in the unit or not.
-    described, rate_line : lines of a header that say what the channel and the rate are; "" for none.
-    load : gives its samples as recorded, where its table does not.
+    scale : units per reading that the file states; NaN if it is unclear whether the readings are scaled already.
+    described, rate_line : lines of the header that describe the channel and the rate; "" for none.
+    load : returns its samples as recorded, unless its table loads them.
     """
 
     name: str
@@ -76,9 +67,9 @@ class RawChannel:
 class Table:
     """The channels of a file, or of signals in memory.
 
-    channels : what is known of each.   load : gives all samples of the channels of these numbers, as recorded, NaN for
-    an empty cell; None where each channel does.   place : where a sample, counted from 0, stands in the file.
-    what : the format, for messages.   odd : what is odd about the file, warned of wherever it is read.
+    channels : what is known of each.   load : returns the samples of the channels with these indices, as recorded, NaN
+    for an empty cell; None if each channel loads its own.   place : gives the place in the file of a sample, counted
+    from 0.   what : the format, for messages.   odd : what is odd about the file; a warning whenever it is read.
     loaded : channels loaded already.
     """
 
@@ -91,8 +82,8 @@ class Table:
     loaded: dict[int, Array] = field(default_factory=dict)
 
     def columns(self, wanted: Sequence[int]) -> dict[int, Array]:
-        """Return all samples of channels by their numbers. Raises RecordError for a damaged file and for what is no
-        number; warns of what is odd about the file."""
+        """Return the samples of channels by their indices. Raises RecordError for a damaged file and for cells that
+        are not numbers; warns of what is odd about the file."""
         missing = [i for i in wanted if i not in self.loaded]
         with intact(self.path, self.what):
             load = self.load or (lambda wanted: [self.channels[i].load() for i in wanted])
@@ -107,7 +98,7 @@ class Table:
         return {i: self.loaded[i] for i in wanted}
 
     def part(self, columns: Sequence[int]) -> Table:
-        """Return some of the channels as a table."""
+        """Return a table of some of the channels."""
         channels = [self.channels[i] for i in columns]
 
         def load(wanted: Sequence[int]) -> Sequence[ArrayLike]:
@@ -119,7 +110,7 @@ class Table:
 
 @contextmanager
 def intact(path: Path, what: str) -> Iterator[None]:
-    """Turn what a library raises about a file that it cannot read into a RecordError."""
+    """Turn any error of a library that cannot read a file into a RecordError."""
     try:
         yield
     except Exception as error:  # the libraries have errors of many kinds for a damaged file
@@ -132,7 +123,7 @@ def intact(path: Path, what: str) -> Iterator[None]:
 
 
 class Unread(NamedTuple):
-    """An array in a file, of which parts are read when they are asked for."""
+    """An array in a file, of which parts are read on demand."""
 
     shape: tuple[int, ...]
     read: Callable[[Any], Any]
@@ -148,11 +139,11 @@ def channels_of(
     folder: str = "",
     stamps: bool = False,
 ) -> list[RawChannel]:
-    """Return the channel of samples under a label; of an array of two dimensions as many, y[1], y[2], …, along its
-    longer side.
+    """Return the channel of samples under a label, or several, y[1], y[2], …, if the samples are a two-dimensional
+    array; they run along its longer side.
 
-    stated : what is known of them, whatever it is called; unit, rate, step and first time are taken from it.
-    folder : that they stand in, up to its last slash.   stamps : whether they are points in time, now in s.
+    stated : attributes in the file, of which unit, rate, step and first time are used.   folder : path of the group,
+    with its last slash.   stamps : whether the samples are points in time, converted to s.
     """
     name, own = split_label(label)
     unit = "s" if stamps else unit_among(stated) or own
@@ -169,7 +160,7 @@ def channels_of(
 
 
 def table_of(path: Path, signals: Iterable[Sequence[RawChannel]]) -> Table:
-    """Return the table of the channels of several signals. Those of a single matrix have no headings."""
+    """Return the table of the channels of several signals; the columns of a single matrix have no headings."""
     each = [[*signal] for signal in signals]
     channels = [raw for signal in each for raw in signal]
     if len(each) == 1 and len(channels) > 1:
@@ -178,7 +169,7 @@ def table_of(path: Path, signals: Iterable[Sequence[RawChannel]]) -> Table:
 
 
 def _timing(label: str, stated: Mapping[str, object]) -> dict[str, Any]:
-    """Return rate and first time of a channel as stated, or the fault of one that is no number in its range."""
+    """Return the stated rate and first time of a channel, or a fault if one of them is no number in its range."""
     values = {str(key).lower(): np.asarray(value) for key, value in stated.items()}
     start = next((key for key in START_NAMES if key in values), "")
     rate = next((key for key in (*RATE_NAMES, *STEP_NAMES) if key in values), "")
@@ -202,7 +193,7 @@ def _timing(label: str, stated: Mapping[str, object]) -> dict[str, Any]:
 
 
 def unit_among(stated: Mapping[str, object]) -> str | None:
-    """Return the unit among what is stated of a channel, or None."""
+    """Return the unit among the attributes of a channel, or None."""
     units = (of for key, of in stated.items() if key.lower() in UNIT_NAMES and of is not None)
     texts = (u.decode("utf-8", "replace") if isinstance(u, bytes) else str(u) for u in units)
     return next(filter(None, map(str.strip, texts)), None)
@@ -212,16 +203,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
     Signals: TypeAlias = pd.DataFrame | Mapping[str, Any] | np.ndarray[Any, Any]
-    """Signals by their names, as the columns of a file are called: displacement_mm, time_s; or a plain array."""
+    """Signals under names such as displacement_mm and time_s, or a plain array."""
 
 
 def signals_file(name: str, signals: Signals | Table) -> Table:
     """Return signals in memory as a table of that name.
 
-    signals : a table of pandas, whose index is a column as well if it has a name or holds points in time; an array with
-    named fields, or one of columns, (n, k) or (k, n); or arrays by name, with sample_rate_hz, dt or t0 among them as
-    plain numbers. An array of several signals is as many channels, y[1], y[2], …, along its longer side. Points in time
-    are read as s from the first on. Or a table already made.
+    signals : a table of pandas, whose index is a column, too, if it has a name or holds points in time; an array with
+    named fields, or of columns, (n, k) or (k, n); arrays by name, with sample_rate_hz, dt or t0 as plain numbers; or a
+    `Table`. A two-dimensional array gives several channels, y[1], y[2], …, whose samples run along the longer side.
+    Points in time are read as s from the first on.
 
     Raises RecordError for an array that holds no signals.
     """
@@ -241,8 +232,8 @@ def signals_file(name: str, signals: Signals | Table) -> Table:
 
 
 def is_table(record: object) -> bool:
-    """Return whether something is the signals of a record: a mapping, a table of pandas, an array of numbers or one
-    with named fields, a `Table`."""
+    """Return whether an object holds the signals of a record: a mapping, a table of pandas, an array of numbers or with
+    named fields, or a `Table`."""
     array = isinstance(record, np.ndarray) and (record.dtype.kind in "fiu" or record.dtype.names)
     return isinstance(record, Mapping | Table) or _is_frame(record) or bool(array)
 
@@ -252,7 +243,7 @@ def _is_frame(record: object) -> bool:
 
 
 def _flat(held: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the signals in a table, a mapping or the fields of an array, those in these by their paths."""
+    """Yield the signals in a table, a mapping or the fields of an array, nested ones by their paths."""
     if _is_frame(held):
         stated = {k: v for k, v in held.attrs.items() if str(k).lower() in TIMING_NAMES}
         timed = held.index.dtype.kind in "mM"  # points in time, which need no name
@@ -273,7 +264,7 @@ def _flat(held: Any, name: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def samples_of(values: Any) -> tuple[Any, bool]:
-    """Return the samples of a signal, and whether they are points in time, then in s from the first on."""
+    """Return the samples of a signal, and whether they are times, converted to s from the first on."""
     if isinstance(values, list | tuple):
         values = [None if one is np.ma.masked else one for one in values]
     kind = str(getattr(values, "dtype", ""))

@@ -1,7 +1,7 @@
-"""Units that laboratories write, and the one place where they are turned into SI: the table `units.toml`.
+"""Units that laboratories write, and their conversion to SI by the table `units.toml`.
 
-A unit is read in its usual spellings: µm and um, m/s², m/s^2, m/s2, m s-2 and m_per_s2 are each one unit. A channel
-has the unit that belongs to its quantity, or it is refused: a velocity in mm is a mistake, not a number.
+Usual spellings are read: µm and um are one unit, and so are m/s², m/s^2, m/s2, m s-2 and m_per_s2. A channel whose unit
+does not fit its quantity, such as a velocity in mm, is refused.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..project.wording import shortened
 from .channel import ABSOLUTE, QUANTITIES, ROTATING
 from .coordinate import ROTATION, TRANSLATION, Coordinate
 
-VOLTAGE = "a voltage"  # any transducer may give one: the `scale` of a mapping makes a motion of it
+VOLTAGE = "a voltage"  # of any transducer; the `scale` of a mapping turns it into a motion
 VOLTS = {"V": 1.0, "mV": 1e-3, "µV": 1e-6, "μV": 1e-6, "uV": 1e-6}
 """Volts per unit in which a sensitivity is stated."""
 
@@ -32,8 +32,8 @@ VOLTS = {"V": 1.0, "mV": 1e-3, "µV": 1e-6, "μV": 1e-6, "uV": 1e-6}
 class Unit:
     """A unit: a number in it times `factor` is the number in SI.
 
-    name : as written here.   dimension : length, velocity, acceleration, force, time or frequency; of a rotation angle,
-    angular velocity, angular acceleration or torque.
+    name : its usual spelling.   dimension : length, velocity, acceleration, force, time or frequency; in a rotation
+    angle, angular velocity, angular acceleration or torque.
     """
 
     name: str
@@ -42,40 +42,44 @@ class Unit:
 
     @property
     def coordinate(self) -> Coordinate:
-        """Whether it is a unit of a rotation."""
+        """The coordinate to which it belongs."""
         return ROTATION if self.dimension in _COUNTERPARTS else TRANSLATION
 
     @property
     def counterpart(self) -> str:
-        """The dimension in whose place it stands in the equations: length for an angle, its own for others."""
+        """The dimension that it replaces in the equations: length for an angle; for a translation its own."""
         return _COUNTERPARTS.get(self.dimension, self.dimension)
 
 
 class UnitError(ValueError):
-    """A unit that is not known, or that does not fit what the channel holds."""
+    """A unit that is unknown or does not fit the quantity."""
 
 
 def find_unit(text: str, dimension: str = "") -> Unit | None:
-    """Return the unit that a text spells, or None.   dimension : of rad/s, which is a frequency unless it is asked for
-    as an angular velocity."""
+    """Return the unit that a text spells, or None.
+
+    dimension : preferred for rad/s, which is a frequency unless an angular velocity is wanted.
+    """
     units = next(filter(None, map(_UNITS.get, _products(text))), {})
     return units.get(dimension) or next(iter(units.values()), None)
 
 
 def find_motion(text: str) -> Unit | None:
-    """Return the unit that a text spells, or None; rad/s is one of an angular velocity."""
+    """Return the unit that a text spells, or None; rad/s is an angular velocity."""
     return find_unit(text, "angular velocity")
 
 
 def find_other(text: str) -> str | None:
-    """Name what is measured in a unit, if that is no motion, force or time: "a temperature"; or None."""
+    """Return what is measured in a unit of no motion, force or time, "a temperature"; None for other units."""
     return _OTHERS.get(_plain(text).replace(" ", ""))
 
 
 def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
-    """Return the unit that a text spells, fit for a quantity of `DIMENSIONS`, or for any other of the given dimension.
+    """Return the unit that a text spells for a quantity.
 
-    Raises UnitError: not known (with the nearest known one), or of another dimension.
+    dimension : of the quantity; default, that in `DIMENSIONS`.
+
+    Raises UnitError for an unknown unit, naming the nearest known one, and for a unit of another dimension.
     """
     wanted = dimension or DIMENSIONS[quantity]
     unit = find_unit(text, wanted)
@@ -93,13 +97,13 @@ def unit_for(text: str, quantity: str, dimension: str | None = None) -> Unit:
 
 
 def split_label(label: str) -> tuple[str, str | None]:
-    """Name and unit of a column header: "x [mm]", "x (mm)", "x/mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
+    """Return name and unit of a heading: "x [mm]", "x (mm)", "x/mm", "x, mm", "x in mm" and "x_mm" give ("x", "mm").
 
-    What stands in brackets is the unit, known or not, except a number, which counts; elsewhere only a known one is.
-    The word "in" at the end is no unit: disp_in goes with disp_out. None stands for no unit.
+    Brackets hold a unit, known or not, unless they hold a number; elsewhere only a known unit counts. "in" at the end
+    is no unit, since disp_in goes with disp_out. The unit is None if there is none.
     """
     label = label.strip().translate(_BRACKETS)
-    # characters of a heading: the search for its unit takes their square
+    # the time of the search for a unit grows with the square of the length
     if len(label) > 1000:
         return label, None
     if match := re.fullmatch(r"(.*?)\s*[\[({<]\s*(?!\d+[\])}>])([^\])}>]*?)\s*[\])}>]", label):
@@ -121,15 +125,15 @@ def split_label(label: str) -> tuple[str, str | None]:
 
 
 def column_name(quantity: str, coordinate: Coordinate = TRANSLATION) -> str:
-    """Return the column of a quantity in SI units, acceleration_m_per_s2 or angular_acceleration_rad_per_s2."""
+    """Return the name of the column of a quantity in SI units, acceleration_m_per_s2 for an acceleration."""
     return coordinate.key(named_with_unit(quantity, QUANTITIES[quantity]))
 
 
 def factor_to(si: str, text: str) -> tuple[float, Coordinate]:
-    """Return SI units per unit that a text spells, any product or quotient of units, lbf/in, N/(mm/s) or kg·m²; and
-    whether that is the unit of a translation, or the one of a rotation in its place: N m/rad for N/m, kg m² for kg.
+    """Return the size in SI of a product or quotient of units, lbf/in, N/(mm/s) or kg·m², and its coordinate: a unit of
+    a rotation may stand for one of a translation, N m/rad for N/m and kg m² for kg.
 
-    si : the SI unit of a translation.   Raises UnitError for a unit of another dimension, or an unknown one.
+    si : the SI unit of a translation.   Raises UnitError for a unit that is unknown or of another dimension.
     """
     given = dict(map(_in_si, _products(text)))
     for coordinate in (TRANSLATION, ROTATION):
@@ -153,7 +157,7 @@ _Spelled = Mapping[str, list[_Single]]
 
 @cache
 def _products(text: str) -> list[_Product]:
-    """Return the products of powers that a text may spell, N/(mm/s), kg·m² or m s-2: "lb" is a force and a mass."""
+    """Return the products of powers that a text may spell, N/(mm/s) or m s-2; two for "lb", a force or a mass."""
     plain = re.sub(r"(\s+|_)per(\s+|_)", "/", _plain(text))
     plain = _ALONE.get(plain.casefold(), plain)
     plain = re.sub(r"/\s*\(([^()/]*)/([^()/]*)\)?$", r"·\2/\1", plain)
@@ -175,8 +179,8 @@ def _products(text: str) -> list[_Product]:
 
 
 def _factors(text: str, known: _Spelled) -> list[tuple[str, str, str]]:
-    """Return the factors of a product of units, each with the mark before it and its power; none where a text is no
-    such product."""
+    """Return the factors of a product of units, each with the mark before it and its power; none if a text is no such
+    product."""
     units = "|".join(map(re.escape, sorted(known, key=len, reverse=True)))
     mark, power = r"(\s*[/·*._⋅-]\s*|[\s_]+|)", r"(?:(?:\^|\*\*)?(-[1-4]|[2-4]))?"
     factor = rf"(?>{mark}({units}){power})"
@@ -233,31 +237,39 @@ _COUNTERPARTS = {
 }
 DIMENSIONS = {q: _dimension(unit) for q, unit in (QUANTITIES | {"time": "s"}).items()}
 DIMENSIONS |= {q: _dimension(ROTATION.unit(QUANTITIES[of])) for q, of in ROTATING.items()}
-"""Dimension of what a channel may hold."""
+"""Dimension of each quantity that a channel may hold."""
 
 SI = {of.dimension: of.name for of in reversed(UNITS)}
-"""SI unit of each dimension, which stands first in the table."""
+"""SI unit of each dimension, the first in the table."""
 
 PER_FORCE = {"receptance": "length", "mobility": "velocity", "accelerance": "acceleration"}
 TABLE_DRIVES = {"force": "force"} | {f"base_{q}": DIMENSIONS[q] for q in ABSOLUTE}
 TABLE_RESPONSES = {q: DIMENSIONS[q] for q in ABSOLUTE} | PER_FORCE
 TABLE_DIMENSIONS = {"frequency": "frequency"} | TABLE_DRIVES | TABLE_RESPONSES
 TABLE_DIMENSIONS |= {"phase": "angle", "level": "", "coherence": "", "averages": ""}
-"""Dimension of what a column of a table of steady responses may hold: of receptance, mobility and accelerance that of
-the motion per force; a level, a coherence γ² and how many spectra it averages are numbers without one."""
+"""Dimension of each column that a table of steady responses may have; for receptance, mobility and accelerance that of
+the motion. A level, a coherence γ² and its number of averaged spectra have none."""
+
+
+def slot(quantity: str) -> str:
+    """Return the part of a table that a quantity fills: every table has one drive and one response."""
+    if quantity in TABLE_DRIVES:
+        return "drive"
+    return "response" if quantity in TABLE_RESPONSES else quantity
+
 
 _DECIBEL = re.compile(r"db\b\s*(?:re[lf]?\b\.?)?\s*(\d[\d.]*(?:e[+-]?\d+)?)?\s*(.*)", re.IGNORECASE)
 
 
 def reference_of(text: str) -> tuple[float, str] | None:
-    """Return number and unit of what an amplitude in decibels, 20 lg, is relative to: dB re 1 m/s²/N; None for a unit
-    of another kind."""
+    """Return number and unit of the reference of an amplitude in decibels (20 lg), dB re 1 m/s²/N; None for other
+    units."""
     found = _DECIBEL.fullmatch(text.strip())
     return found and (float(found[1] or 1.0), found[2])
 
 
 def per_force(text: str) -> str | None:
-    """Return the response per force that has a unit, in decibels or not; None for any other unit."""
+    """Return the response per force that is measured in a unit, in decibels or not; None for other units."""
     motion, _, force = (reference_of(text) or (1.0, text))[1].strip().rpartition("/")
     unit, of = find_unit(motion), find_unit(force)
     fits = unit is not None and of is not None and of.dimension == "force"
@@ -265,8 +277,10 @@ def per_force(text: str) -> str | None:
 
 
 def table_factor(text: str, quantity: str) -> float:
-    """Return SI units per unit of a column of a table, as a text spells it: µm/N for a receptance, of which µm is
-    enough. Raises UnitError as `unit_for`, and for decibels without a reference."""
+    """Return the size in SI of the unit of a column of a table; a receptance may have µm/N or µm alone.
+
+    Raises UnitError as `unit_for`, and for decibels without a reference.
+    """
     if reference := reference_of(text):
         if not reference[1]:
             raise UnitError("dB of what? State the unit with its reference, as dB re 1 m/s²/N")

@@ -1,7 +1,7 @@
-"""Writers of records as delimited text or for MATLAB: complete or not at all, the same bytes every time.
+"""Writers of records as delimited text or for MATLAB; the same record gives the same bytes.
 
-Values are written in SI units, as 64-bit floats, with names that `read` recognises (displacement_m), next to the times.
-pandas writes other formats from such a text: `pandas.read_csv("run.csv").to_parquet("run.parquet")`.
+Values are 64-bit floats in SI units, under names that `read` recognises (displacement_m), next to the times. pandas
+converts such a text to other formats: `pandas.read_csv("run.csv").to_parquet("run.parquet")`.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from .record import Record
 
 
 def write(path: str | Path, record: Record) -> Path:
-    """Write a record as text (.csv, with commas; .tsv, .txt, .dat, .asc, with tabs) or for MATLAB 5 (.mat), as the
-    suffix says; returns the file.
+    """Write a record as text (.csv with commas; .tsv, .txt, .dat, .asc with tabs) or for MATLAB 5 (.mat), depending on
+    the suffix; return the file.
 
-    Raises RecordError when the suffix or the record cannot be written, before anything is.
+    Raises RecordError, before anything is written, for another suffix and for a record with a correction.
     """
     path = arguments.path("path", path, "the path of a file")
     instance("record", record, Record)
@@ -33,7 +33,7 @@ def write(path: str | Path, record: Record) -> Path:
     if suffix not in written:
         raise RecordError(
             f"{path}: records are not written as {shortened(path.suffix)}, but as {', '.join(written)}; pandas or the "
-            "format's own library writes others from one of these"
+            "library of a format converts one of these"
         )
     if corrected := [q for q in record if record[q].correction]:
         raise RecordError(

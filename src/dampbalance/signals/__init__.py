@@ -1,1 +1,1 @@
-"""Features of records: read off clean ones, estimated from noisy ones."""
+"""From records to harmonics, turning points, decays, loops and features."""

@@ -1,21 +1,21 @@
-"""The harmonics of the steady state of a measurement, with a warning for every fault of the record.
+"""The harmonics of the steady state of a measurement, with a finding for every fault of the record.
 
-Each channel is worked on in its own times: nothing is resampled. The drive frequency comes from the excitation; the
-harmonics from least squares, cycle by cycle (`cycles.py`); a slow drift of the offset is removed with what it adds to
-the harmonics. Harmonics are then turned into those of displacements,
+Each channel keeps its own times; nothing is resampled. The excitation gives the drive frequency, and least squares,
+cycle by cycle, give the harmonics (`cycles.py`). A slow drift of the offset is removed from them. Harmonics are then
+converted to those of displacements,
 
     y_n = v_n/(inω)    of a base velocity,          y_n = −a_n/(nω)²   of a base acceleration,
     y_n = f_n/k        of a force,
     x_n = v_n/(inω)    of a velocity,               x_n = −a_n/(nω)²   of an acceleration,
     x_n = y_n + r_n    of a motion r relative to the base,
 
-and, of a mass m whose contact, spring and damper all sit on the base, which moves against the base as under a force
-−mÿ (Inman, Engineering Vibration, Sec. 2.4),
+after the known gain, delay and filters of the channel have been removed (`records/channel.py`). If contact, spring and
+damper all act between the mass m and the base, the mass moves relative to the base as under a force −mÿ (Inman,
+Engineering Vibration, Sec. 2.4):
 
-    y_n → m(nω)² y_n/k,      x_n → r_n = x_n − y_n,
+    y_n → m(nω)² y_n/k,      x_n → r_n = x_n − y_n.
 
-after the known gain, delay and filters of the channel have been removed (`records/channel.py`). The harmonics of
-several response channels are averaged, each weighted by its inverse variance.
+The harmonics of several response channels are averaged with inverse-variance weights.
 """
 
 from __future__ import annotations
@@ -50,31 +50,33 @@ from .one_thread import one_thread
 from .thresholds import CERTAIN
 
 _MOST_HARMONICS = (31, 61, 91)
-"""Highest harmonic taken of a displacement, a velocity and an acceleration of the mass; a quarter of the samples per
-cycle limits it too."""
+"""Highest harmonic of a displacement, a velocity and an acceleration of the mass; at most a quarter of the samples per
+cycle."""
 
-_FILTERED_OUT = 1e-3  # least gain of a filter: a harmonic that passes with less is noise
+_FILTERED_OUT = 1e-3  # smallest gain of a filter; a harmonic that passes with less is noise
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyRecord:
-    """The steady state of one response: harmonics of base and mass per row (a cycle, or several), and their noise.
+    """The steady state of one response: harmonics of base and mass per row (one or several cycles), and their noise.
 
-    source : where it comes from.   k : N/m.   omega, omega_standard_error : rad/s.   start : of the first cycle, s.
-    cycles : whole cycles that were used.   cycles_per_row : how many a row averages.
-    Y : y_n of the base displacement, rows × (n = 0 … ), m.   X : x_n of the displacement, rows × (0 … N), m.
     Each signal is Re Σ s_n e^{inω(t − start)}.
-    weights : usable cycles in each row.   X_error, Y_error : standard deviation of the real and of the imaginary part
-    of the mean of each harmonic, m; infinite where no channel reaches.
-    shares : part of each response in X, by quantity, (0 … N).
-    X_hidden, Y_hidden : part of these that no scatter between cycles shows, of a channel that is not steady.
-    bandwidth : N, the highest odd harmonic that stands out of the noise.   even_bandwidth : the highest even one, 0
-    where the response is symmetric.   base_bandwidth : the highest harmonic of the base, 1 where it is harmonic.
-    channels : harmonics of each channel, corrected, by quantity.
+
+    source : name of the record.   k : N/m.   omega, omega_standard_error : rad/s.   start : of the first cycle, s.
+    cycles : whole cycles that were used.   cycles_per_row : cycles that a row averages.
+    Y : y_n of the base displacement, rows × (n = 0 … ), m.   X : x_n of the displacement, rows × (0 … N), m.
+    weights : usable cycles in each row.
+    X_error, Y_error : standard deviation of the real and of the imaginary part of the mean of each harmonic, m;
+    infinite if no channel contains it.
+    shares : weight of each response in X, by quantity, (0 … N).
+    X_hidden, Y_hidden : part of these errors that the scatter between cycles does not show, for an unsteady channel.
+    bandwidth : highest significant odd harmonic.   even_bandwidth : highest significant even one, 0 for a symmetric
+    response.   base_bandwidth : highest harmonic of the base, 1 if it is harmonic.
+    channels : corrected harmonics of each channel, by quantity.
     noise_rms : of the samples, by quantity, in the unit of the channel.
-    of_base : by how many times the motion Y of the drive the displacement that each response was turned into differs
-    from what was measured, 1 for one measured against the base; by quantity.   base_mass : as for `condition`.
-    warnings : what is wrong with the record, one sentence each, which says what it leaves in doubt.
+    of_base : multiple of the drive Y that was added to each measured response to obtain the displacement, by quantity;
+    1 for one measured against the base.   base_mass : as for `condition`.
+    warnings : findings on the record.
     """
 
     source: str
@@ -108,16 +110,16 @@ class SteadyRecord:
 
     @property
     def added(self) -> float:
-        """The multiple of Y in `of_base` that all responses share; 0 where they differ."""
+        """The multiple of Y in `of_base` that all responses share; 0 if they differ."""
         multiples = set(self.of_base.values())
         return multiples.pop() if len(multiples) == 1 else 0.0
 
     def mean(self, rows: Complexes) -> Complexes:
-        """Return the mean of the rows, each with its weight."""
+        """Return the weighted mean of the rows."""
         return weighted_mean(rows, self.weights)
 
     def x_of(self, n: Integers) -> Complexes:
-        """Return harmonics x_n of any orders, m, (h,), their phases counted from the peak of the base."""
+        """Return harmonics x_n of any orders, m, (h,), with phases counted from the peak of the base."""
         base = self.mean(self.Y[:, 1:2])[0]
         return self.mean(self.X)[n] * np.exp(-1j * n * np.angle(base))
 
@@ -133,12 +135,12 @@ def condition(
 ) -> SteadyRecord:
     """Return the steady state of a measurement.
 
-    k : stiffness, N/m.   frequency_hz : the nominal drive frequency, compared with that of the excitation.
-    skip_cycles : cycles left out at the start, when the motion has not settled.   base_mass : m, kg, where the contact
-    sits on the base with spring and damper; default, it sits on the ground.
+    k : stiffness, N/m.   frequency_hz : nominal drive frequency, compared with that of the excitation.
+    skip_cycles : cycles to leave out at the start, before the motion has settled.   base_mass : m, kg, if the contact
+    acts between the mass and the base, as spring and damper do; default, it acts on the ground.
 
-    Raises ValueError naming the source when the record cannot be used: a constant channel, too few cycles, another
-    frequency, signals that contradict each other.
+    Raises ValueError naming the source if the record cannot be used: a constant channel, too few cycles, another
+    frequency, contradictory signals.
     """
     warnings: list[Finding] = []
     source, driving = measurement.name, measurement.excitation.quantity
@@ -154,11 +156,9 @@ def condition(
 
 
 def in_equal_steps(channel: Channel, warnings: list[Finding]) -> Channel:
-    """Return the channel with times in equal steps: itself where they are; with a warning where they are off by more
-    than the rounding of times to few digits."""
+    """Return the channel with times in equal steps, and note a finding if they are off by more than rounding."""
     t = np.linspace(channel.t[0], channel.t[-1], channel.t.size)
     off = float(np.abs(channel.t - t).max()) / (t[1] - t[0])
-    # 1e-6 steps: times that are off by less are taken as equal steps
     if off <= 1e-6:
         return channel
     if off > GRID_TOLERANCE:
@@ -177,13 +177,14 @@ def _steady(
     base_mass: float | None,
     warnings: list[Finding],
 ) -> SteadyRecord:
-    """Return the steady record that harmonics are: in the rows that all channels have, in the time and at the frequency
-    of the drive, without drift, as displacements.
+    """Return the steady record: harmonics in the rows that all channels have, in the time and at the frequency of the
+    drive, without drift, as displacements.
 
-    skipped : cycles left out at the start, as asked for.   warnings : on the samples; others are added.
+    skipped : cycles that the user left out at the start.   warnings : findings on the samples; others are added.
     """
     base = channels[driving]
-    offset, omega_error = frequency_offset(base)  # a longer look corrects that of the leading part
+    # the whole record refines the frequency of the leading part
+    offset, omega_error = frequency_offset(base)
     omega = base.omega + offset
     per_row = {q: h.cycles_per_row for q, h in channels.items()}
     if len(set(per_row.values())) > 1:
@@ -209,7 +210,7 @@ def _steady(
         channel = channels[q]
         of[:, 1:] -= slope @ channel.drift[:, 1:]
         of *= turn[:, : of.shape[1]]
-        # the samples have white noise, so that the scatter of the harmonics between rows gives its size
+        # the scatter of the harmonics between rows gives the size of the white noise of the samples
         per_cycle = 2.0 * math.pi / (channel.omega * channel.dt)
         noise_rms[q] = math.sqrt(float(np.median(_scatter(of, weights)[1:])) * 0.5 * per_cycle)
         warnings += checks.few_bits(coordinate.noun(q), samples[q].values, noise_rms[q])
@@ -222,7 +223,7 @@ def _steady(
     sign, others = (1.0, RELATIVE) if base_mass is None else (-1.0, ABSOLUTE)
     of_base = {q: sign * (q in others and driving != "force") for q in moved}
     own = {q: _error(of, weights)[1] for q, of in moved.items()}
-    # beyond, the base has nothing but noise
+    # higher harmonics of the base are noise
     highest = checks.highest_of_base(weighted_mean(Y, weights), _error(Y, weights))
     for q in moved:
         count = min(highest + 1, moved[q].shape[1])
@@ -233,24 +234,24 @@ def _steady(
         of_base = {q: of / ratio for q, of in of_base.items()}
     warnings += checks.consistency(moved, weights, omega, coordinate)
     errors = {q: _error(of, weights) for q, of in moved.items()}
-    if len(set(of_base.values())) == 1:  # else the error of the base is in some only
+    if len(set(of_base.values())) == 1:  # otherwise only some contain the error of the base
         for q, error in own.items():
             errors[q][1] = error
     X, X_error, shares = _combined(moved, errors)
     mean_Y, mean_X = weighted_mean(Y, weights), weighted_mean(X, weights)
-    if coordinate == TRANSLATION:  # nothing bounds an angle
+    if coordinate == TRANSLATION:  # an angle has no bounds
         warnings += checks.plausible(abs(mean_Y[1]), abs(mean_X[1]), omega, driving)
     warnings += checks.ratio(abs(mean_Y[1]), abs(mean_X[1]), driving, coordinate)
     period = 2.0 * math.pi / base.omega
     parts, unsteady = checks.steadiness(Y[:, 1], X[:, 1], times, weights, period, skipped)
     warnings += unsteady
-    # the mean of an unsteady record represents its motion no better than that
+    # the mean of an unsteady record represents its motion only to this
     Y_hidden, X_hidden = parts[0] * np.abs(mean_Y), parts[1] * np.abs(mean_X)
     Y_error = np.hypot(_error(Y, weights), Y_hidden)
     # the frequency has an error, too: ∂ln x/∂ω = 2mω x/(kY) with mω² = k − Re kY/x, large where the damping is light
     gain = mean_X[1] / mean_Y[1]
     by_frequency = 2.0 * abs(mean_X[1] * gain) * abs(1.0 - (1.0 / gain).real) * omega_error / omega
-    # 0.3 relative to the noise of the fundamental: less would widen intervals by 5 %
+    # below 0.3 of the noise of the fundamental it widens intervals by less than 5 %
     if by_frequency > 0.3 * X_error[1]:
         X_hidden[1] = math.hypot(X_hidden[1], by_frequency)
     X_error = np.hypot(X_error, X_hidden)
@@ -296,7 +297,7 @@ def _harmonics_of(
     skip_cycles: int,
     warnings: list[Finding],
 ) -> dict[str, CycleHarmonics]:
-    """Return the harmonics of every channel, by quantity, at the drive frequency of the leading part of the record."""
+    """Return the harmonics of each channel, by quantity, at the drive frequency of the leading part of the record."""
     drive = channels[driving]
     noun = drive.coordinate.noun
     omega, error, cycles, begin = frequency_of(drive.t, drive.values, noun(driving))
@@ -318,7 +319,7 @@ def _harmonics_of(
             raise ValueError(
                 f"{noun(q)}: {per_cycle:.1f} samples per cycle are too few: sample at {12.0 / period:.3g} Hz or more"
             )
-        # amplifiers and shakers distort the lowest harmonics
+        # distortion by amplifiers and shakers lies in the nine lowest harmonics
         most = _MOST_HARMONICS[ORDERS[q]] if q in RESPONSES else 9
         highest = min(most, math.floor(per_cycle / 4.0))
         of_cycles = cycle_harmonics(
@@ -333,8 +334,7 @@ def _harmonics_of(
 
 
 def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes:
-    """Return the response of gain, delay and filters of a channel at each harmonic, up to the highest that the filters
-    pass."""
+    """Return the response H of a channel at each harmonic, up to the highest that its filters pass."""
     correction = harmonics.correction or Correction()
     response = correction.response(omega * np.arange(harmonics.coefficients.shape[1]))
     passed = np.abs(response) > _FILTERED_OUT * correction.gain
@@ -347,8 +347,8 @@ def _passed(quantity: str, harmonics: CycleHarmonics, omega: float) -> Complexes
 
 
 def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Complexes:
-    """Return the factors that turn the harmonics of a quantity into those of a displacement, m per unit; the mean of a
-    rate counts as 0."""
+    """Return the factors from the harmonics of a quantity to those of a displacement, m per unit; 0 for the mean of a
+    velocity or an acceleration."""
     if quantity == "force":
         return np.full(count, 1.0 / k + 0j)
     by_time = np.concatenate([[0.0], 1.0 / (1j * omega * np.arange(1, count))])
@@ -356,8 +356,10 @@ def _of_displacement(quantity: str, count: int, omega: float, k: float) -> Compl
 
 
 def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
-    """Return the slope and half the second derivative of a drifting offset in each row, 1/s and 1/s², (channels, rows,
-    2), from a parabola through its means, (rows,) for each channel.   times : middle of the rows, s."""
+    """Return slope and half the second derivative of the offset in each row, per s and s², (channels, rows, 2).
+
+    means : of each channel, (rows,), to which a parabola is fitted.   times : middle of the rows, s.
+    """
     degree, at = 2 if len(times) >= 8 else 1, times - times.mean()
     fitted = np.polyfit(at, np.transpose(means), degree, w=np.sqrt(weights))
     bend = fitted[0][:, None] * (degree == 2) * np.ones(at.size)
@@ -365,11 +367,8 @@ def _drifts(means: Sequence[Array], times: Array, weights: Array) -> Array:
 
 
 def _error(rows: Complexes, weights: Array) -> Array:
-    """Return the standard deviation of the real and of the imaginary part of the mean of each harmonic, from its
-    scatter.
-
-    Smoothed over five neighbouring harmonics: of few cycles, each by itself would be a poor estimate.
-    """
+    """Return the standard deviation of the real and of the imaginary part of the mean of each harmonic, from the
+    scatter of the rows, smoothed over five neighbouring harmonics, since few cycles give a poor estimate for each."""
     smooth = _scatter(rows, weights) / weights.sum()
     higher = np.pad(smooth[2:], 2, constant_values=math.nan)
     smooth[2:] = np.nanmedian(sliding_window_view(higher, 5), axis=1)
@@ -387,7 +386,7 @@ def _combined(
     moved: Mapping[str, Complexes], errors: Mapping[str, Array]
 ) -> tuple[Complexes, Array, dict[str, Array]]:
     """Return the mean of the harmonics of all responses, weighted by inverse variance, its standard deviations, and the
-    part of each response in it.
+    weight of each response.
 
     errors : standard deviations of the mean of each harmonic.
     """
@@ -404,8 +403,8 @@ def _combined(
 
 
 def _bandwidth(mean: Complexes, error: Array, lowest: int = 1) -> int:
-    """Return the highest odd (lowest = 1) or even (2) harmonic that stands out of the noise (`CERTAIN`); two in
-    a row may be hidden."""
+    """Return the highest odd (lowest = 1) or even (2) significant harmonic (`CERTAIN`); two successive ones may be
+    hidden in the noise."""
     orders = np.arange(lowest, len(mean), 2)
     clear = orders[(orders == lowest) | (np.abs(mean[orders]) > CERTAIN * error[orders])]
     ends = clear[np.diff(clear, append=math.inf) > 6]

@@ -1,6 +1,5 @@
-"""Signals behind a coupling by a capacitor (AC), a high-pass filter of first order, from a start at rest on.
-
-Use it on the samples of a model, to be compared with those of a channel that is coupled so.
+"""AC coupling, a high-pass filter of first order, applied to the samples of a model that starts at rest, so that they
+compare with a channel that is AC-coupled.
 """
 
 from __future__ import annotations
@@ -13,10 +12,12 @@ from ..arrays import Array
 
 
 def ac_coupled(columns: Array, dt: float, corner: float) -> Array:
-    """Return a motion and its derivatives behind an AC coupling that starts at rest, with the derivative of the motion
-    by the corner appended, (n, u + 1): without a coupling the integral of the motion, less its trend.
+    """Return a motion and its derivatives after an AC coupling that starts at rest, (n, u + 1).
 
-    columns : (n, u), the motion first.   dt : s.   corner : Hz. The integrals are those of the trapezoidal rule.
+    The last column is the derivative of the motion by the corner; for a corner of 0, the integral of the motion without
+    its trend. Integrals follow the trapezoidal rule.
+
+    columns : (n, u), the motion first.   dt : s.   corner : Hz, 0 for no coupling.
     """
     from scipy.signal import lfilter  # slow to import
 
@@ -32,6 +33,6 @@ def ac_coupled(columns: Array, dt: float, corner: float) -> Array:
 
 
 def ac_start(count: int, dt: float, corner: float) -> Array:
-    """Return the decay of what an AC coupling holds at the first of some samples, relative to its start."""
+    """Return the free decay of an AC coupling over `count` samples, relative to its first value."""
     half = math.pi * corner * dt
     return np.asarray(((1.0 - half) / (1.0 + half)) ** np.arange(count))

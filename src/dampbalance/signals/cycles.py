@@ -1,13 +1,13 @@
-"""Harmonics of a signal and its frequency, cycle by cycle, by least squares: any number of samples per cycle.
+"""Harmonics of a signal, cycle by cycle, and its frequency, by least squares for any number of samples per cycle.
 
 Cycle j is the time from start + jT to start + (j + 1)T, T = 2π/ω. Its samples are fitted by
 
     s(t) = Re Σ c_n e^{inωt},   n = 0 … N
 
-The normal equations of samples in equal steps depend on how many there are in the cycle alone, which is one of two
-numbers: two small systems serve the whole record, and all that is done sample by sample is one matrix product.
+For samples in equal steps the normal equations depend only on the number of samples in the cycle, which is one of two:
+two small systems serve the whole record, and only one matrix product involves all samples.
 
-Where a record has more than 2,048 rows (cycles), neighbours are averaged and a row stands for twice as many cycles.
+If a record has more than 2,048 rows (cycles), neighbouring rows are averaged.
 """
 
 from __future__ import annotations
@@ -29,10 +29,11 @@ from ..records.channel import Correction
 
 Numbers = TypeVar("Numbers", Array, Complexes)
 
-_MOST_AT_ONCE = 1 << 20  # samples worked on at once: 8 MB an array
-_OUTLYING = 1.5  # mean square of a cycle about its harmonics, relative to the others, where a spike is looked for
-_AROUND = 8  # cycles that a cycle is compared with: enough for a median, and near enough for a slow change
-FEWEST_CYCLES = 3  # their scatter has two degrees of freedom
+_MOST_AT_ONCE = 1 << 20  # samples processed at once, 8 MB per array
+_OUTLYING = 1.5  # a cycle whose residual variance exceeds that of the others by this factor may contain a spike
+# cycles that a cycle is compared with: enough for a median, and few enough for a slow change
+_AROUND = 8
+FEWEST_CYCLES = 3  # whose scatter has two degrees of freedom
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +43,11 @@ class CycleHarmonics:
     omega : rad/s.   start : of the first cycle, s.   dt : sampling interval, s.   first : time of a sample, s.
     coefficients : c_n, shape (rows, N + 1), unit of the channel; c_0 is the mean.
     cycles_per_row : cycles that a row stands for.   weights : usable cycles in each row, shape (rows,).
-    drift : what a signal τ, and what τ² adds to c_n, τ in s from the middle of the cycle, shape (2, N + 1).
+    drift : harmonics c_n of the signals τ and τ², τ in s from the middle of the cycle, shape (2, N + 1).
     bad_cycles : cycles left out and why, (number, time s, reason).
     span : difference between the highest and the lowest value.
-    clipped : part of the usable cycles that are flat at the highest or the lowest value of the signal.
-    correction : that the harmonics need yet, known where a whole record is read.
+    clipped : share of the usable cycles that are flat at the highest or the lowest value of the signal.
+    correction : known effect of the channel, not yet removed; None for none.
     """
 
     omega: float
@@ -82,14 +83,14 @@ def cycle_harmonics(
 ) -> CycleHarmonics:
     """Return the harmonics of every whole cycle of a signal.
 
-    t : s, in steps of dt.   omega : rad/s.   start : of the first cycle, s.   harmonics : N.   cycles : how many to
-    take at the most.   missing : mask of the samples that the record lacks.
+    t : s, in steps of dt.   omega : rad/s.   start : of the first cycle, s.   harmonics : N.   cycles : most cycles to
+    take.   missing : mask of the samples that the record lacks.
 
-    A cycle with samples that are missing, are held or spike is left out and listed. Raises ValueError when a cycle has
-    too few samples for N.
+    Cycles with missing samples, drop-outs or spikes are left out and listed. Raises ValueError if a cycle has too few
+    samples for N.
     """
     work = _Cycles(omega, dt, harmonics)
-    # a cycle is complete when the next sample would lie beyond it
+    # a cycle is complete if the next sample would lie beyond it
     complete = math.floor((t[-1] + dt * (1.0 + 1e-6) - start) / work.period)
     starts = start + np.arange(min(complete, cycles) + 1) * work.period
     edges = np.searchsorted(t, starts - 1e-6 * dt)
@@ -104,7 +105,7 @@ def cycle_harmonics(
         clipped += flat
         bad += [(first + j, start + (first + j) * work.period, why) for j, why in faults.items()]
     per_row = 1
-    # more rows do not improve the scatter, and cost time in each bootstrap
+    # more rows do not improve the estimate of the scatter, but slow down each bootstrap
     while len(rows) // per_row > 2048:
         per_row *= 2
     rows = rows[: len(rows) // per_row * per_row].reshape(-1, per_row, harmonics + 2).sum(axis=1)
@@ -129,16 +130,15 @@ def cycle_harmonics(
 def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
     """Return (ω, standard error of ω), rad/s, of the strongest sinusoid of a signal in steps of dt.
 
-    A first guess from the highest line of a windowed spectrum; then the phase of the fundamental, cycle by cycle,
-    against time: its slope is the error of the guess. For white noise this is least squares on the sinusoid, whose
-    variance is that of the Cramér–Rao bound (Rife & Boorstyn 1974), var ω = 12σ² · 2/(A²n)/duration², with n samples of
-    standard deviation σ about an amplitude A.
+    The highest line of a windowed spectrum is a first guess; its error is the slope of the phase of the fundamental,
+    cycle by cycle, over time. For white noise this is least squares on the sinusoid and reaches the Cramér–Rao bound
+    (Rife & Boorstyn 1974), var ω = 12σ² · 2/(A²n)/duration², for n samples with noise σ and an amplitude A.
 
-    Raises ValueError when there is none or the signal is shorter than three of its cycles.
+    Raises ValueError if there is no sinusoid, or if the signal is shorter than three of its cycles.
     """
     omega = _strongest_line(values, dt)
     error = math.nan
-    # 4 corrections of the frequency, each thousands of times smaller than the last: two suffice, save for few cycles
+    # two corrections suffice, except for few cycles
     for _ in range(4):
         hertz, per_cycle = omega / (2.0 * math.pi), 2.0 * math.pi / omega / dt
         cycles = math.floor((t[-1] - t[0] + dt * (1.0 + 1e-6)) * hertz)
@@ -164,11 +164,8 @@ def drive_frequency(t: Array, values: Array, dt: float) -> tuple[float, float]:
 
 
 def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
-    """Return (Δω, its standard error), rad/s: by how much the drive is faster than the ω that the harmonics were taken
-    at.
-
-    The slope of the phase of the fundamental over the rows, by least squares.
-    """
+    """Return (Δω, its standard error), rad/s, by which the drive exceeds the ω of the harmonics: the slope of the phase
+    of the fundamental over time, by least squares."""
     usable = harmonics.weights > 0.0
     if np.count_nonzero(usable) < FEWEST_CYCLES:
         return 0.0, math.nan
@@ -179,10 +176,10 @@ def frequency_offset(harmonics: CycleHarmonics) -> tuple[float, float]:
 
 
 def _strongest_line(values: Array, dt: float) -> float:
-    """Return the angular frequency of the highest line of the spectrum (Hann window), between lines by a parabola of
-    the logs."""
+    """Return the angular frequency of the highest line of the spectrum (Hann window), interpolated by a parabola
+    through the logarithms."""
     size = values.size
-    # a transform of any other length can take ten times as long
+    # a transform of another length can take ten times as long
     padded = 1 << (size - 1).bit_length()
     spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(size), padded))
     spectrum[0] = 0.0
@@ -195,7 +192,7 @@ def _strongest_line(values: Array, dt: float) -> float:
 
 
 class _Cycles:
-    """Least-squares harmonics of cycles in steps of dt, and the sum of what a drift adds to them (`drift`)."""
+    """Least-squares harmonics of cycles in steps of dt, and the sum of those of a drift (`drift`)."""
 
     def __init__(self, omega: float, dt: float, harmonics: int) -> None:
         self.omega, self.dt, self.period = omega, dt, 2.0 * math.pi / omega
@@ -204,9 +201,9 @@ class _Cycles:
             raise ValueError(
                 f"{self.period / dt:.1f} samples per cycle are too few for {harmonics} harmonics"
             )
-        if self.shortest > _MOST_AT_ONCE:  # and the drive is not what it seems
+        if self.shortest > _MOST_AT_ONCE:  # the frequency of the drive is wrong
             raise ValueError(f"{self.shortest} samples per cycle are more than {_MOST_AT_ONCE}")
-        self.longest = self.shortest + 2  # rounding of times may give and take a sample
+        self.longest = self.shortest + 2  # with rounded times a cycle may gain a sample
         self.drift = np.zeros((2, harmonics + 1), dtype=np.complex128)
         self.n, self.last = np.arange(harmonics + 1), np.arange(self.shortest, self.longest)
         # e^{−inωr dt} of sample r, (longest, N + 1)
@@ -214,9 +211,9 @@ class _Cycles:
         self.system = cache(self._system)
 
     def _system(self, length: int) -> tuple[Array, Array, Complexes, Complexes]:
-        """Return, for cycles of so many samples and in the time τ from the middle, the inverse normal matrices of the
+        """Return, for cycles of `length` samples and the time τ from the middle, the inverse normal matrices of the
         cosines and of the sines, e^{−inωτ} of the first sample, and the harmonics of τ and τ²."""
-        # Σ cos qωτ, q = 0 … 2N, is all that the normal matrices hold; cosines and sines are orthogonal
+        # the normal matrices consist of Σ cos qωτ, q = 0 … 2N; cosines and sines are orthogonal
         n, angle = self.n, self.omega * self.dt
         half = 0.5 * angle * np.arange(1, 2 * n.size - 1)
         sums = np.concatenate([[float(length)], np.sin(length * half) / np.sin(half)])
@@ -234,13 +231,13 @@ class _Cycles:
     def rows(
         self, t: Array, values: Array, edges: NDArray[np.intp], missing: Mask | None = None
     ) -> tuple[Complexes, dict[int, Finding], int]:
-        """Return the harmonics of cycles, whose samples lie between successive edges, and a 1 for each that is usable;
-        which are not, and why; how many of the others are clipped."""
+        """Return the harmonics of cycles, whose samples lie between successive edges, with a last column of 1 for a
+        usable cycle; the faults of the others, by number; and how many of the usable ones are clipped."""
         size = np.diff(edges)
         padded = np.append(values[edges[0] : edges[-1]], np.zeros(self.longest))
         s = sliding_window_view(padded, self.longest)[edges[:-1] - edges[0]]
         s[:, self.shortest :][self.last >= size[:, None]] = 0.0
-        # the time of the middle, from all samples: time stamps may be rounded
+        # the middle from all time stamps, as they may be rounded
         middle = np.add.reduceat(t[edges[0] : edges[-1]], edges[:-1] - edges[0]) / size
         turn = powers(np.exp(-1j * self.omega * middle), self.n.size)
         local, square = self._fitted(s, size, turn)
@@ -255,8 +252,7 @@ class _Cycles:
         return rows, faults, _clipped_of(good)
 
     def _fitted(self, s: Array, size: NDArray[np.intp], turn: Complexes) -> tuple[Complexes, Array]:
-        """Return the harmonics of cycles in the time from their middle, and the mean square of their samples about
-        them.
+        """Return the harmonics of cycles, with time counted from the middle, and the mean squares of the residuals.
 
         s : samples, zero beyond `size` of them, (cycles, longest).   turn : e^{−inωt} of the middle.
         """
@@ -275,12 +271,11 @@ class _Cycles:
     def _faults(
         self, s: Array, size: NDArray[np.intp], local: Complexes, square: Array, held: Mask
     ) -> dict[int, Finding]:
-        """Return the cycles, by number, that hold samples that stand still while the signal moves on, or that lie far
-        off it."""
+        """Return the faults of cycles, by number: samples that are held while the signal moves on, and spikes."""
         rms = math.sqrt(float(np.median(square)))
         if not held.any() and float(square.max()) <= _OUTLYING * rms**2:
             return {}
-        # a signal without noise may leave a residual of 1e-3 of its range, because of drift, say
+        # without noise, the residual may be 1e-3 of the range because of a drift
         usual = max(rms, 1e-3 * float(np.ptp(s[:, : self.shortest])))
         outlying = square > _OUTLYING * usual**2
         suspect = _three_in_a_row(held) | outlying  # four equal samples
@@ -307,17 +302,17 @@ class _Cycles:
 
 
 def powers(base: Numbers, count: int) -> Numbers:
-    """Return b^0 … b^{count − 1} of each b, (…, count): e^{inθ} of e^{iθ} without further exponentials."""
+    """Return b^0 … b^{count − 1} for each b, (…, count); e^{inθ} from e^{iθ} without further exponentials."""
     return np.vander(base, count, increasing=True)
 
 
 def _three_in_a_row(true: Mask) -> Mask:
-    """Return the mask of the rows that are true at three neighbouring places."""
+    """Return the mask of the rows that are true at three successive places."""
     return np.asarray((true[..., 2:] & true[..., 1:-1] & true[..., :-2]).any(axis=-1))
 
 
 def _clipped_of(cycles: Sequence[Array]) -> int:
-    """Return how many cycles hold the highest or the lowest value of all as a clipped signal does."""
+    """Return how many cycles are clipped at the highest or the lowest value of all."""
     ends = np.array([(s.max(), -s.min()) for s in cycles]).reshape(-1, 2)
     at_end = (ends == ends.max(axis=0, initial=-np.inf)).tolist()
     return sum(
@@ -327,10 +322,10 @@ def _clipped_of(cycles: Sequence[Array]) -> int:
 
 
 def _cut_off(s: Array) -> bool:
-    """Return whether samples of a cycle hold their highest value as a clipped signal does, three or more in a row.
+    """Return whether samples of a cycle are clipped at their highest value, at least three in a row.
 
-    A sinusoid in steps of a converter dwells at its top level at most 1/(√2 − 1) = 2.4 times as long as at the next;
-    noise shortens that. A clipped one dwells there alone.
+    A quantized sinusoid has its highest level at most 1/(√2 − 1) = 2.4 times as long as the next one, or shorter with
+    noise. A clipped one has it longer.
     """
     levels, counts = np.unique(s, return_counts=True)
     return bool(
@@ -339,8 +334,9 @@ def _cut_off(s: Array) -> bool:
 
 
 def flat_tops(values: Array) -> tuple[float, float]:
-    """Return the lowest and the highest value of a free motion where it is held there as a clipped signal is; −∞ and ∞
-    where it is not. What it begins with or ends at does not count: it may have been held there, or have come to rest.
+    """Return the lowest and the highest value of a free motion if it is clipped there; −∞ and ∞ if it is not.
+
+    Values at the beginning and the end do not count, since the mass may be held or at rest there.
     """
     limits = []
     for high in (-values, values):
@@ -351,37 +347,37 @@ def flat_tops(values: Array) -> tuple[float, float]:
 
 
 def clipped(values: Array) -> bool:
-    """Return whether a free motion is clipped, at either end."""
+    """Return whether a free motion is clipped at its lowest or highest value."""
     return bool(np.isfinite(flat_tops(values)).any())
 
 
 def _held(s: Array, others: Array, rms: float) -> Finding | None:
-    """Return a finding if samples of a cycle hold one value while the signal moves on.
+    """Return a finding if samples of a cycle are held at one value while the signal moves on (a drop-out).
 
-    A converter repeats a value while the signal stays within one of its steps, in every cycle at the same place. A
-    drop-out repeats it in this cycle alone: in the cycles around, the signal moves on by more than a step and five
-    times its noise. A step is at most the smaller of those into and out of the equal samples. Cycles begin up to a
-    sample apart, so the first and the last of these are left out. Nor do the highest and the lowest value count: what
-    is held there is clipped.
+    A converter repeats a value while the signal stays within one step, at the same place in every cycle. A drop-out
+    does so in this cycle only: in the cycles around, the signal moves on by more than a step and five times its noise.
+    A step is at most the smaller of those into and out of the equal samples. As cycles begin up to a sample apart, the
+    first and the last of these are left out. The highest and the lowest value do not count, since the signal may be
+    clipped there.
 
     s : samples of the cycle, (n,).   others : of cycles around, (cycles, ≥ n).   rms : of the noise.
     """
     steps = np.abs(np.diff(s, prepend=np.nan, append=np.nan))
     edges = np.flatnonzero(steps)  # NaN counts
     starts, stops = edges[:-1], edges[1:]
-    # five equal samples in a row may be a drop-out: fewer are noise in the steps of a converter
+    # fewer than five equal samples in a row are noise in the steps of a converter
     long = (stops - starts >= 5) & (s[starts] < s.max()) & (s[starts] > s.min())
     starts, stops = starts[long], stops[long]
     moved = np.abs(np.median(others[:, stops - 2] - others[:, starts + 1], axis=0))
     held = moved > np.fmin(steps[starts], steps[stops]) + 5.0 * rms
-    # A motion that stops goes on as it came, gently; what is held jumps to where the signal has gone meanwhile, by
-    # more than it moves there from sample to sample. Stops begin and end a little earlier or later in each cycle.
+    # A motion that stops continues gradually; after a drop-out the signal jumps by more than it moves there from sample
+    # to sample. Stops begin and end a little earlier or later in each cycle.
     pace = np.abs(np.diff(others[:, : s.size], axis=1)).max(axis=0)
     for i in np.flatnonzero(held).tolist():
         jump = np.fmax(steps[starts[i]], steps[stops[i]])
         length = stops[i] - starts[i]
         near = pace[max(starts[i] - length, 0) : stops[i] + length]
-        # a signal that was held goes on with a jump of five of the steps nearby or more
+        # the jump after a drop-out is more than twice the steps nearby
         held[i] = jump > 2.0 * near.max() + 5.0 * rms
     if not held.any():
         return None
@@ -392,9 +388,8 @@ def _held(s: Array, others: Array, rms: float) -> Finding | None:
 
 
 def bootstrap(rows: int, count: int, rng: np.random.Generator) -> tuple[Integers, float]:
-    """Return numbers of times that each row occurs in each of `count` drawings with replacement, (count, rows), and the
-    factor √(n/(n − 1)), n rows, that corrects the deviations of their means: the bootstrap underestimates the scatter
-    by it."""
+    """Return how often each row occurs in each of `count` drawings with replacement, (count, rows), and the factor
+    √(n/(n − 1)), for n rows, by which the bootstrap underestimates the scatter of the mean."""
     drawn = rng.integers(rows, size=(count, rows)) + rows * np.arange(count)[:, None]
     times = np.bincount(drawn.ravel(), minlength=rows * count).reshape(count, rows)
     return times, math.sqrt(rows / max(1, rows - 1))

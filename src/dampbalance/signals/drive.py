@@ -1,4 +1,4 @@
-"""The drive of a record: whether it moves, from when on, and at which frequency."""
+"""The drive of a record: whether and when it moves, and its frequency."""
 
 from __future__ import annotations
 
@@ -8,32 +8,24 @@ from contextlib import suppress
 import numpy as np
 
 from ..arrays import Array
+from ..records.samples import blows
 from .checks import require_signal
 from .cycles import drive_frequency
 from .thresholds import RARE_LINE
 
-LEADING = 1 << 18  # samples from which the drive frequency is first estimated
-_STRETCH = 1 << 16  # samples that show whether a drive moves
+LEADING = 1 << 18  # samples for the first estimate of the drive frequency
+_STRETCH = 1 << 16  # samples of a stretch that shows whether a drive moves
 
 
 def stands_still(values: Array) -> bool:
-    """Return whether a drive channel holds nothing but noise, or single blows: no stretch of it has a line in its
-    spectrum.
+    """Return whether a drive channel holds only noise or single blows: no stretch of it has a line in its spectrum.
 
-    Stretches from the whole record are looked at: a recorder may begin long before the drive does. Blows are brief; a
-    spike of one or two samples is no blow.
+    Stretches are taken from the whole record, since a recorder may start long before the drive does.
     """
-    if values.size > 2:
-        # the middle one of each three neighbours
-        low, high = np.minimum(values[:-1], values[1:]), np.maximum(values[:-1], values[1:])
-        middle = np.maximum(low[:-1], np.minimum(high[:-1], values[2:]))
-        off = np.abs(middle - np.median(middle))
-        # a drive that is within 5 % of its largest deviation from rest for 95 % of the time strikes; a steady one is
-        # for 3 %
-        if np.quantile(off, 0.95) <= 0.05 * off.max():
-            return True
+    if values.size > 2 and blows(values)[0]:
+        return True
     last = max(0, values.size - _STRETCH)
-    # 16 stretches of a record that are examined
+    # 16 stretches, spread over the record
     for begin in dict.fromkeys(np.linspace(0, last, 16).astype(int).tolist()):
         stretch = values[begin : begin + _STRETCH]
         power = np.abs(np.fft.rfft(stretch - np.mean(stretch))[1:]) ** 2
@@ -43,18 +35,18 @@ def stands_still(values: Array) -> bool:
 
 
 def onset(values: Array) -> int:
-    """Return the sample at which a drive has begun: the first by which it has gone through half of its range."""
+    """Return the first sample by which a drive has passed through half of its range."""
     low, high = np.quantile(values, [0.05, 0.95])
     gone = np.maximum.accumulate(values) - np.minimum.accumulate(values)
     return int(np.argmax(gone > 0.5 * (high - low)))
 
 
 def frequency_of(t: Array, values: Array, quantity: str) -> tuple[float, float, int, float]:
-    """Return ω of a drive, its standard error, rad/s, cycles that they come from, and the time from which on it moves,
-    s; −∞ where it does from the first sample on.
+    """Return ω of a drive and its standard error, rad/s, the number of cycles used, and the time at which the drive
+    begins to move, s; −∞ if it moves from the first sample on.
 
-    It is sought in the leading samples, after those in which the drive stands still. Where these hold too few cycles,
-    it is sought in averages of more and more of them.
+    The leading samples are used, after those in which the drive stands still. If they hold too few cycles, a longer
+    part of the record is averaged down to as many samples.
     """
     require_signal(quantity, values)
     every, first, begin = 1, 0, -math.inf
@@ -79,13 +71,13 @@ def frequency_of(t: Array, values: Array, quantity: str) -> tuple[float, float, 
 
 
 def averaged(values: Array, every: int) -> Array:
-    """Return the means of each `every` values; the rest at the end is left out."""
+    """Return the means of successive groups of `every` values; an incomplete group at the end is left out."""
     return values[: values.size // every * every].reshape(-1, every).mean(axis=1)
 
 
 def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, int]:
-    """Return ω of a drive, its standard error, and the sample from which on it moves, if it stands still for a cycle or
-    more before; otherwise 0."""
+    """Return ω of a drive, its standard error, and the first sample that moves, if the drive stands still for at least
+    a cycle before; otherwise 0."""
     begins = onset(values)
     whole: tuple[float, float, int] | ValueError
     try:
@@ -108,7 +100,7 @@ def _frequency_in(t: Array, values: Array, step: float) -> tuple[float, float, i
 
 
 def _amplitude(t: Array, values: Array, omega: float) -> float:
-    """Return roughly the amplitude of a signal at ω, without a slow drift; ∞ where there is less than a cycle of it."""
+    """Return the approximate amplitude of a signal at ω, freed of a linear drift; ∞ for less than a cycle."""
     if t.size < 3 or t[-1] - t[0] < 2.0 * math.pi / omega:
         return math.inf
     line = np.polyval(np.polyfit(t - t[0], values, 1), t - t[0])

@@ -1,7 +1,7 @@
-"""Dwells of a drive: stretches of a record in which its amplitude and its frequency stay, as in a staircase of levels.
+"""Dwells of a drive: stretches of a record with constant amplitude and frequency, as in a staircase of levels.
 
-The drive is taken apart into cycles, from one upward crossing of its mean to the next; noise makes no crossing, as a
-signal has to leave a band about the mean in between. Each cycle has a period and an amplitude, √2 times its rms.
+The drive is cut into cycles at the upward crossings of its mean; noise causes no crossings, since the signal must leave
+a band about the mean in between. Each cycle has a period and an amplitude, √2 times its rms.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from scipy.ndimage import median_filter, uniform_filter1d
 
 from ..arrays import Array
 
-# Half the width of the band about the mean, of the largest deviation: without noise, and the widest that leaves cycles.
+# Half the width of the band about the mean, relative to the largest deviation: without noise, and at most.
 _BAND, _WIDEST = 0.05, 0.4
-# step of amplitude or frequency that begins another dwell; smaller ones are drifts and beats
+# smallest step of amplitude or frequency that begins a new dwell; smaller ones are drifts and beats
 _STEP = math.log(1.15)
-_FEWEST = 8  # cycles of a dwell, of which the motion needs some to settle
-_HELD = 0.6  # part of the cycles that lies in dwells, in a record that consists of them
+_FEWEST_CYCLES = 8  # of a dwell, of which the motion needs some to settle
+_HELD = 0.6  # smallest share of cycles in dwells, in a record that consists of them
 
 
 class Dwell(NamedTuple):
@@ -32,32 +32,32 @@ class Dwell(NamedTuple):
 
 
 class Swept(ValueError):
-    """The frequency of a drive changes all the time."""
+    """The frequency of a drive changes continuously."""
 
 
 def dwells_of(t: Array, values: Array) -> list[Dwell]:
-    """Return the dwells of a drive; one, or none, where amplitude and frequency do not step.
+    """Return the dwells of a drive; none if amplitude and frequency do not step.
 
     t : s, in equal steps, (n,).   values : of the drive, (n,).
 
-    Raises Swept for a frequency that changes all the time, with the sentence that says so.
+    Raises Swept if the frequency changes continuously.
     """
     edges, amplitude, period = _cycles(t, values)
-    if amplitude.size < 2 * _FEWEST:
+    if amplitude.size < 2 * _FEWEST_CYCLES:
         return []
     logs = np.log(np.stack([amplitude, period]))
     smooth = median_filter(logs, size=(1, 5), mode="nearest")
     noise = 1.5 * np.median(np.abs(logs - smooth), axis=1, keepdims=True)
-    # 0.02 standard deviation of ln amplitude or ln period within a dwell, beyond that of noise
+    # within a dwell, ln amplitude and ln period have a standard deviation of at most 0.02 plus noise
     limit = 0.02 + 2.0 * noise[:, 0]
     dwells: list[Dwell] = []
     held = first = 0
     for last in [*(_steps(smooth) + 1), amplitude.size]:
         inside = slice(first + 1, last - 1)  # the cycles next to a step belong to neither
-        if last - first >= _FEWEST and (np.std(logs[:, inside], axis=1) <= limit).all():
+        if last - first >= _FEWEST_CYCLES and (np.std(logs[:, inside], axis=1) <= limit).all():
             a, p = np.exp(np.median(logs[:, inside], axis=1)).tolist()
             dwell = Dwell(float(edges[first + 1]), float(edges[last - 1]), a, 1.0 / p)
-            if dwells and _alike(dwells[-1], dwell):  # a disturbance was between them
+            if dwells and _alike(dwells[-1], dwell):  # separated by a disturbance
                 dwell = dwells.pop()._replace(end=dwell.end)
             dwells.append(dwell)
             held += last - first
@@ -76,14 +76,14 @@ def dwells_of(t: Array, values: Array) -> list[Dwell]:
 
 
 def _alike(one: Dwell, other: Dwell) -> bool:
-    """Return whether two dwells are parts of one."""
+    """Return whether two dwells have the same amplitude and frequency."""
     steps = (one.amplitude / other.amplitude, one.hertz / other.hertz)
     return all(abs(math.log(step)) < 0.5 * _STEP for step in steps)
 
 
 def _steps(smooth: Array) -> Array:
-    """Return numbers of the cycles before a step: where the medians on both sides differ by more than `_STEP`, at its
-    steepest.   smooth : ln amplitude and ln period of each cycle, freed of single outliers, (2, n)."""
+    """Return the numbers of the cycles before a step, where the medians on both sides differ most and by more than
+    `_STEP`.   smooth : ln amplitude and ln period of each cycle, without single outliers, (2, n)."""
     ahead = smooth[:, 3:] - smooth[:, :-3]  # over three cycles, as a step is seldom within one
     size = np.abs(ahead).max(axis=0)
     steps = []
@@ -95,24 +95,23 @@ def _steps(smooth: Array) -> Array:
 
 
 def _cycles(t: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Return times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between them, (n,)."""
+    """Return times of the upward crossings, s, (n + 1,), and amplitude and period of the cycles between, (n,)."""
     s = values - 0.5 * np.sum(np.quantile(values, (0.02, 0.98)))
     power = np.abs(np.fft.rfft(s)[1:]) ** 2
-    # lines of motion: over the median, which is noise, and over the largest one
+    # lines of the motion exceed the median, which is noise, and a part of the largest line
     clear = power > max(20.0 * float(np.median(power)), 0.003 * float(power.max()))
     fastest = 1 + int(np.flatnonzero(clear)[-1]) if clear.any() else power.size
-    # part of the shortest cycle: a moving average takes 2 % off a sine
+    # a tenth of the shortest cycle, over which a moving average reduces a sine by 2 %
     width = int(0.1 * s.size / fastest)
     smooth = uniform_filter1d(s, width) if width > 1 else s
     noise = float(np.std(s - smooth)) / math.sqrt(max(1, width))
     largest = float(np.quantile(np.abs(smooth), 0.99))
     band = max(_BAND * largest, 4.0 * noise)
-    if band > _WIDEST * largest:  # noise would make crossings
-        return np.empty(0), np.empty(0), np.empty(0)
     side = np.where(smooth > band, 1, np.where(smooth < -band, -1, 0))
     outside = np.flatnonzero(side)
     rises = outside[1:][(side[outside[1:]] > 0) & (side[outside[:-1]] < 0)]
-    if rises.size < 2:
+    # in a wider band noise would cause crossings
+    if rises.size < 2 or band > _WIDEST * largest:
         return np.empty(0), np.empty(0), np.empty(0)
     sums = np.concatenate([[[0.0], [0.0]], np.cumsum([s, s**2], axis=1)], axis=1)
     count = np.diff(rises)

@@ -1,8 +1,9 @@
-"""Frequency and damping of a free decay over its amplitude, from the swings alone: of no law, and without a stiffness.
+"""Frequency and damping of a free decay over its amplitude, from the swings alone, without a damping law or a
+stiffness.
 
 In the band of a mode the mean of |x| between two zeros is 2/π times the amplitude X there. Over a range of amplitudes,
-straight lines through ln X and through the number of half cycles, over the cycles and over the time, have the
-logarithmic decrement and the frequency as slopes (Inman, Engineering Vibration, Sec. 1.6):
+the slope of ln X over the cycles is the logarithmic decrement, and that of the cycles over the time is the frequency
+(Inman, Engineering Vibration, Sec. 1.6):
 
     δ = ln(X_i/X_{i+1}),   ζ = δ/√(4π² + δ²),   η = 2ζ
 
@@ -24,15 +25,15 @@ from .band import NOISE_PASSED, Band, filtered
 from .bursts import Burst, Signal, slope_of
 from .simpson import integrals
 
-_FEWEST_HALVES = 4  # in a range
-_FEWEST_SAMPLES, _SHORTEST = 20, 3.0  # samples of a decay, and of its cycle
+_FEWEST_HALVES = 4  # half cycles in a range
+_FEWEST_SAMPLES, _FEWEST_IN_CYCLE = 20, 3.0  # samples of a decay, and of its cycle
 
 
 @dataclass(frozen=True, slots=True)
 class SwingDamping:
-    """What the swings of free decays show in a range of amplitudes.
+    """Frequency and damping of a mode in a range of amplitudes.
 
-    mode : number of the mode, 1 for the largest.   X : amplitude in the middle of the range, m.   cycles : in it.
+    mode : its number, 1 for the largest.   X : amplitude in the middle of the range, m.   cycles : in the range.
     hertz, ratio : frequency, Hz, and damping ratio ζ, with their standard errors.
     """
 
@@ -45,7 +46,7 @@ class SwingDamping:
     ratio_error: float
 
     def document(self, *_: float) -> dict[str, Any]:
-        """Return it by the keys of the document."""
+        """Return the entry in `identification.json`."""
         return {
             "mode": self.mode,
             "X_m": self.X,
@@ -67,17 +68,17 @@ def displacement_in(part: Signal, band: Band) -> Array:
 
 
 def damping_of(signal: Signal, bursts: Sequence[Burst]) -> list[SwingDamping]:
-    """Return the damping over the amplitude of each mode, that of the largest burst of a channel, or of
-    what follows it where that has the beats of two modes."""
+    """Return the damping of each mode over the amplitude, in the largest burst of a channel; if the bursts that follow
+    are beats of two modes, in all of these."""
     burst = max(bursts, key=lambda one: one.swing)
     part = signal.between(burst.turn, bursts[-1].end)
-    if part.values.size < _FEWEST_SAMPLES or burst.period < _SHORTEST * signal.dt:
+    if part.values.size < _FEWEST_SAMPLES or burst.period < _FEWEST_IN_CYCLE * signal.dt:
         return []
     frequencies = _modes(part, 1.0 / burst.period)
     apart = np.diff([one.turn for one in bursts if one.turn >= burst.turn])
     if apart.size:
         beats = [abs(one - frequencies[0]) * float(np.median(apart)) for one in frequencies[1:]]
-        # bursts are off a beat by less than a fifth of it
+        # the bursts of a beat come at its period to a fifth
         if not any(abs(beat - 1.0) < 0.2 for beat in beats):
             part = signal.between(burst.turn, burst.end)
             frequencies = _modes(part, 1.0 / burst.period)
@@ -86,18 +87,18 @@ def damping_of(signal: Signal, bursts: Sequence[Burst]) -> list[SwingDamping]:
         about = Band.about(f, part.dt)
         half = 0.5 * min((abs(f - one) for one in frequencies if one != f), default=math.inf)
         band = Band(max(about.low, f - half), min(about.high, f + half))
-        # ranges of amplitudes of all modes together: five
+        # about five ranges of amplitudes in all modes together
         ranges = _ranges(part, band, f, mode, 1 + 4 // len(frequencies))
         rows += [one for one in ranges if one.ratio > 0.0]
     return rows
 
 
 def _modes(part: Signal, first: float) -> list[float]:
-    """Return the frequencies of the modes, Hz, the largest first, by the speeds at their peaks in the spectrum."""
+    """Return the frequencies of up to three modes, Hz, in descending order of the speed at their spectral peaks."""
     from scipy.signal import find_peaks  # slow to import
 
     n = part.values.size
-    # falls to zero smoothly, so that the end of the record makes no peaks of its own
+    # falls smoothly to zero, so that the end of the record causes no peaks
     fading = np.cos(0.5 * math.pi * np.arange(n) / n) ** 2
     power = np.abs(np.fft.rfft((part.values - part.values.mean()) * fading)) ** 2
     f = np.fft.rfftfreq(n, part.dt)
@@ -114,24 +115,23 @@ def _modes(part: Signal, first: float) -> list[float]:
     modes = [float(near[0])]
     for one in highest.tolist():
         ratios = [max(one / of, of / one) for of in modes]
-        # 0.02 relative distance from a multiple of another mode that is part of its motion
+        # within 2 % of a multiple of another mode lies a harmonic of its motion
         apart = all(abs(ratio / max(round(ratio), 2) - 1.0) > 0.02 for ratio in ratios)
         if (
             apart
-            # modes differ by four lines of the spectrum at least
+            # modes differ by at least four lines of the spectrum
             and min(abs(one - of) for of in modes) * n * part.dt > 4.0
             and one < 0.4 / part.dt
         ):
             modes.append(one)
-    # three at most
     return modes[:3]
 
 
 def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[SwingDamping]:
-    """Return the damping in some ranges of the amplitude, down to the noise.   most : number of them."""
+    """Return the damping in at most `most` ranges of the amplitude, down to the noise."""
     x = displacement_in(part, band)
     i = np.flatnonzero(x[:-1] * x[1:] < 0.0)
-    # half cycles at either end that the filter disturbs: as long as a cycle of its bandwidth
+    # half cycles that the filter disturbs at either end, over one period of its bandwidth
     ends = max(1, math.ceil(2.0 * f / (band.high - band.low)))
     if i.size < _FEWEST_HALVES + 2 * ends:
         return []
@@ -139,7 +139,7 @@ def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[Sw
     X = 0.5 * math.pi * np.abs(integrals(x, 1.0, zeros)) / np.diff(zeros)
     noise = part.noise * math.sqrt(2.0 * NOISE_PASSED * (band.high - band.low) * part.dt)
     noise /= (2.0 * math.pi * f) ** part.order
-    # 0.4 of a half cycle, by which its duration may be off
+    # the duration of a half cycle may deviate by 0.4 of it
     regular = np.abs(2.0 * f * part.dt * np.diff(zeros) - 1.0) < 0.4
     # until the amplitude falls to five times the noise
     goes_on = regular & (5.0 * noise < X)
@@ -148,7 +148,7 @@ def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[Sw
     if count < _FEWEST_HALVES:
         return []
     t, logs = part.dt * zeros[first : first + count + 1], np.log(X[first : first + count])
-    # where there are several ranges, the amplitudes of one span a ratio of 1.6 at least
+    # if there are several ranges, the amplitudes in each span a ratio of at least 1.6
     many = int((logs[0] - logs[-1]) / math.log(1.6))
     edges = np.linspace(logs[0], logs[-1], max(1, min(many, most)) + 1)[1:-1]
     cuts = [0]
@@ -164,7 +164,7 @@ def _ranges(part: Signal, band: Band, f: float, mode: int, most: int) -> list[Sw
         ratio = fall / math.hypot(2.0 * math.pi, fall)
         X_middle = math.exp(float(logs[start:end].mean()))
         error = fall_error / (2.0 * math.pi) * (1.0 - ratio**2) ** 1.5
-        hertz_error = math.hypot(hertz_error, hertz * ratio**2)  # what the filter shifts
+        hertz_error = math.hypot(hertz_error, hertz * ratio**2)  # shift by the filter
         rows.append(
             SwingDamping(mode, X_middle, float(cycles[-1]), hertz, hertz_error, ratio, error)
         )

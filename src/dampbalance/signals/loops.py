@@ -1,4 +1,4 @@
-"""Cycles of measured loops: reversals, sharp corners between samples, velocity, and the sign of the force."""
+"""Cycles of measured loops: reversals, corners between samples, velocity, and the sign of the force."""
 
 from __future__ import annotations
 
@@ -15,29 +15,30 @@ from ..arrays import Array, Integers, Mask
 from .thresholds import CERTAIN
 
 FEWEST_CYCLES = 4
-"""Cycles of all records that a contact is fitted to: of fewer the scatter between them says nothing."""
+"""Fewest cycles in all records to which a contact is fitted; the scatter of fewer is unknown."""
 
-# of the range of x: a reversal is a return by more, so that levels of 1 : 20 are read
+# relative to the range of x, the smallest return that makes a reversal, so that levels of 1 : 20 are read
 _SWING = 0.04
-# of X: a motion that comes so near to its middle before the first reversal, or after the last one, has passed it
+# relative to X, the distance at which a motion counts as passing its middle before the first or after the last reversal
 _NEAR_MIDDLE = 0.05
-# of X: the force at a reversal is the mean of that on the last part of the way to it
+# relative to X, the last part of the way to a reversal over which its force is averaged
 _NEAR_PEAK = 0.01
-_AROUND_PEAK = 0.6  # of a step from the largest sample: a peak farther off is that of noise
-_OF_PERIOD, _CLOSE = 40, 0.01  # part of a period that shows reversals, error of ẋ over its size
-# standard deviations of noise: cycles differ from their mean one by no more. Their own scatter is 1; quantization, and
-# what the differences of the noise do not show, makes it larger
+_AROUND_PEAK = 0.6  # steps from the largest sample; a peak farther off is noise
+_OF_PERIOD, _CLOSE = 40, 0.01  # windows per period that show reversals; relative error of ẋ
+# standard deviations of the noise that a periodic motion may deviate from its mean cycle: 1 for white noise, more with
+# quantization
 _PERIODIC = 1.5
-# degree of a polynomial between two turns, and standard deviations from which on a term of it is no noise
+# highest degree of a polynomial between two turns, and standard deviations by which a term must be significant
 _DEGREE, _STANDS_OUT = 24, 3.0
-_RUN, _STANDS_OUT_OF_ALL = 8, 4.5  # samples of a run, and of all runs
-_FEWEST_POINTS, _ROUNDS = 16, 3  # of a mean cycle, and of finding its period
+# samples of a run, and standard deviations of the largest of all runs
+_RUN, _STANDS_OUT_OF_ALL = 8, 4.5
+_FEWEST_POINTS, _ROUNDS = 16, 3  # points of a mean cycle, and iterations for its period
 _DRAWS = 4  # pairs of drawings of noise
-SAME_LEVEL = 0.05  # by which amplitudes of one level differ at the most
+SAME_LEVEL = 0.05  # largest relative difference of the amplitudes of one level
 
 
 def turning_points(x: Array, least: float) -> Integers:
-    """Return the indices of the reversals of x that are followed by a return of more than `least`."""
+    """Return the indices of the reversals of x, each followed by a return of more than `least`."""
     found, at, way = list[int](), 0, 0
     for i, value in enumerate(x.tolist()):
         ahead = (value - x[at]) * (way or 1.0)
@@ -52,10 +53,10 @@ def turning_points(x: Array, least: float) -> Integers:
 
 
 def corners(x: Array, turns: Integers, noise: float) -> Array:
-    """Return the displacement through which x passes between two samples, (n − 1,): of a reversal that falls between
-    them its peak, else that of the later sample.
+    """Return the displacement that x passes through between two samples, (n − 1,): the peak if a reversal lies between
+    them, otherwise the later sample.
 
-    The peak is that of a parabola through three samples or, where the reversal is sharp as a triangle's, its corner.
+    The peak is that of a parabola through three samples or, in a motion with kinks, such as a triangle, the corner.
 
     The second differences of a kink of size S at a part φ of a step are S(1 − φ) and Sφ, beyond those of the smooth
     motion around, and the corner lies ½ S min(φ, 1 − φ) above the larger sample.
@@ -76,11 +77,10 @@ def corners(x: Array, turns: Integers, noise: float) -> Array:
 
 
 def middles(x: Array, turns: Integers) -> Integers:
-    """Return the samples at which cycles begin, and the last one ends, (cycles + 1,): x passes its middle there in the
-    direction in which it first does, from rest or not.
+    """Return the samples at which cycles begin and the last one ends, (cycles + 1,), where x passes its middle in the
+    same direction as the first time.
 
-    The middle is that between two reversals; the median of three neighbours follows a mean that drifts, and not an
-    amplitude that grows.
+    The middle lies between two reversals; the median of three follows a drifting mean, but not a growing amplitude.
     """
     from scipy.ndimage import median_filter  # slow to import
 
@@ -101,22 +101,22 @@ def middles(x: Array, turns: Integers) -> Integers:
 
 @lru_cache(maxsize=8)
 def _polynomials(size: int) -> Array:
-    """Return orthonormal polynomials on some samples, (size, degrees)."""
+    """Return orthonormal polynomials on `size` samples, (size, degrees)."""
     of = legvander(np.linspace(-1.0, 1.0, size), min(_DEGREE, size // 2))
     return np.asarray(np.linalg.qr(of)[0])
 
 
 def _is_noise(left: Array, noise: float) -> bool:
-    """Return whether a residual is white noise of a standard deviation, and not more in one place."""
+    """Return whether a residual is white noise of a standard deviation everywhere."""
     runs = np.diff(np.cumsum(left)[::_RUN])
     worst = float(np.abs(runs).max(initial=0.0)) < _STANDS_OUT_OF_ALL * math.sqrt(_RUN) * noise
     return worst and float(np.std(left)) < _PERIODIC * noise
 
 
 def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float, Array]:
-    """Return a motion in which each cycle is the mean one, a_j x̄(φ) + b_j + d_j φ, the standard deviation of the noise
-    that is left, smaller by √n of n cycles, and drawings of such noise, m, (draws, samples), each with either sign. A
-    motion whose cycles differ by more than their noise is returned as it is.
+    """Return a motion with each cycle replaced by the mean one, a_j x̄(φ) + b_j + d_j φ, the standard deviation of the
+    remaining noise, smaller by √n for n cycles, and drawings of such noise, m, (draws, samples), each with both signs.
+    A motion whose cycles differ by more than the noise is returned unchanged.
 
     begins : see `middles`.   noise : standard deviation, m.
     """
@@ -155,18 +155,18 @@ def mean_cycles(x: Array, begins: Integers, noise: float) -> tuple[Array, float,
 def between_turns(
     x: Array, turns: Integers, noise: float, step: float, drawn: Array
 ) -> tuple[Array, Array, Array]:
-    """Return a motion without its noise that reverses at its turns alone, as a slider follows every other reversal, its
-    velocity, m/s, and what other drawings of its noise would have left in it, (draws, n).
+    """Return a smoothed motion that reverses only at its turns, since a slider would follow every reversal of the
+    noise, its velocity, m/s, and the errors that other drawings of the noise would have left, (draws, n).
 
-    Between two turns it is a polynomial, of Legendre's those that stand out of the noise: of a triangle a line, and of
-    a sine few. Where a polynomial leaves more than noise it stays as it is, and its velocity comes from parabolas.
+    Between two turns it is a sum of the significant Legendre polynomials: a line for a triangle, a few for a sine. If
+    the residual is more than noise, the motion stays unchanged, and parabolas give its velocity.
 
     noise : standard deviation, m.   step : of time, s.   drawn : other noise, m, (draws, n).
     """
     from scipy.signal import savgol_filter  # slow to import
 
     turns = np.array([-1, *turns, x.size - 1])
-    # samples of a parabola whose slope has an error of 1 % of the mean speed
+    # number of samples for which the slope of a parabola has an error of 1 % of the mean speed
     way = _CLOSE * float(np.mean(np.abs(np.diff(x[turns[1:]])) / np.diff(turns[1:])))
     window = 1 + 2 * max(1, round(0.5 * (12.0 * (noise / way) ** 2) ** (1.0 / 3.0)))
     smooth, v, errors = x.copy(), np.gradient(x, step), drawn.copy()
@@ -189,14 +189,14 @@ def between_turns(
 
 @dataclass(frozen=True, eq=False)
 class Loop:
-    """A record of force and displacement, ready for the fit.
+    """A record of force and displacement, prepared for the fit.
 
-    t : s; numbers of the samples where `timed` is false.   x : displacement, less its noise, m.   through :
-    that of reversals between samples, m.   v : velocity, m/s.   f : force, N, its sign such that energy is lost.
-    cycle : number of the cycle of each sample; −1 outside of them.   errors : of x, of other drawings of
-    its noise, m, (draws, n).   first : number of the first one in the record.
-    N : normal force, N, where it was measured.   load : friction force of the record over that of all, as the normal
-    force makes it.
+    t : s; numbers of the samples if `timed` is false.   x : smoothed displacement, m.   through : displacement passed
+    through between samples, m, as `corners`.   v : velocity, m/s.   f : force, N, with the sign that dissipates energy.
+    cycle : number of the cycle of each sample; −1 outside.   errors : errors of x for other drawings of its noise, m,
+    (draws, n).   flipped : whether the sign of the force was changed.   N : normal force, N, if measured.
+    load : friction force of the record relative to that of all records, because of its normal force.
+    first : number in the record of the first cycle, counted from 1.
     """
 
     name: str
@@ -217,11 +217,11 @@ class Loop:
     def of(
         cls, name: str, t: Array, x: Array, f: Array, missing: Mask | None = None, skipped: int = 0
     ) -> Loop:
-        """Return the loop of samples in equal steps, without the cycles with samples that are missing.
+        """Return the loop of samples in equal steps, without cycles with missing samples.
 
-        skipped : cycles left out at the start.
+        skipped : cycles to leave out at the start.
 
-        Raises ValueError where no cycle is left.
+        Raises ValueError if no cycle remains.
         """
         from scipy.signal import savgol_filter  # slow to import
 
@@ -257,8 +257,7 @@ class Loop:
         return replace(loop, f=-f, flipped=True) if gains else loop
 
     def settled(self) -> Loop:
-        """Return the loop without its first cycle if that is the first of the record: what its contact held before is
-        not known."""
+        """Return the loop without the first cycle of the record, before which the state of the contact is unknown."""
         if self.first > 1:
             return self
         return replace(self, cycle=np.maximum(self.cycle - 1, -1), first=2)
@@ -269,8 +268,8 @@ class Loop:
         return int(self.cycle.max()) + 1
 
     def excerpt(self, share: float, runs: int) -> Loop:
-        """Return about that share of the cycles, in runs that are spread evenly; the cycle before each run settles the
-        contact, and does not count."""
+        """Return a share of the cycles in evenly spread runs; the cycle before each run settles the contact and does
+        not count."""
         length = max(1, round(share * self.cycles / runs))
         first = np.linspace(0, self.cycles - length, runs).astype(int)
         number = np.full(self.cycles + 1, -2)  # the last entry is that of the samples outside
@@ -285,7 +284,7 @@ class Loop:
         )
 
     def scaled(self, X: float) -> Loop:
-        """Return the cycle of median amplitude, scaled to X and run through twice; the second time counts."""
+        """Return the cycle of median amplitude, scaled to X and repeated once; only the repetition counts."""
         (own,) = np.nonzero(self.cycle == np.argsort(self.amplitudes)[self.cycles // 2])
         part = X / self.amplitudes[self.cycle[own[0]]]
         x, v = (part * np.tile(of, 2) for of in (self.x[own] - self.x[own].mean(), self.v[own]))
@@ -295,7 +294,7 @@ class Loop:
 
     @property
     def drawn(self) -> list[Loop]:
-        """The loop with other drawings of the noise that its displacement had."""
+        """The loop with other drawings of the noise of its displacement."""
         return [replace(self, x=self.x + of, through=self.through + of[1:]) for of in self.errors]
 
     @cached_property
@@ -305,17 +304,17 @@ class Loop:
 
     @cached_property
     def slices(self) -> list[slice]:
-        """The samples of each cycle, among those of `own`."""
+        """The samples of each cycle, as slices of `own`."""
         ends = np.searchsorted(self.cycle[self.own], np.arange(self.cycles + 1)).tolist()
         return [slice(*pair) for pair in itertools.pairwise(ends)]
 
     def means(self, values: Array) -> Array:
-        """Return the mean of values in each cycle, (cycles,)."""
+        """Return the means of values over each cycle, (cycles,)."""
         cycle = self.cycle[self.own]
         return np.asarray(np.bincount(cycle, values[self.own]) / np.bincount(cycle))
 
     def by_cycle(self, values: Array) -> Array:
-        """Return ∮ values dx of each cycle, closed by a straight line from its last sample to its first, (cycles,)."""
+        """Return ∮ values dx of each cycle, closed by a straight line from the last sample to the first, (cycles,)."""
         x, values, after = self.x[self.own], values[self.own], np.arange(1, self.own.size + 1)
         after[[own.stop - 1 for own in self.slices]] = [own.start for own in self.slices]
         pieces = 0.5 * (values[after] + values) * (x[after] - x)
@@ -328,7 +327,7 @@ class Loop:
 
     @cached_property
     def peaks(self) -> Array:
-        """Largest and smallest displacement of each cycle, m, and the force on the way to each, N, (cycles, 4)."""
+        """Largest and smallest displacement of each cycle, m, and the force just before each, N, (cycles, 4)."""
         peaks = []
         for own in self.slices:
             x, f = self.x[self.own[own]], self.f[self.own[own]]
@@ -344,14 +343,15 @@ class Loop:
 
     @cached_property
     def closed(self) -> Mask:
-        """Whether each cycle ends within an amplitude of where it began: else the mean drifts, and X is none."""
+        """Whether each cycle ends within an amplitude of its start; otherwise the mean drifts, and X is no
+        amplitude."""
         x = self.x[self.own]
         travel = [x[own.stop - 1] - x[own.start] for own in self.slices]
         return np.asarray(np.abs(travel) <= self.amplitudes)
 
 
 def levels_of(X: Array) -> list[Integers]:
-    """Return the cycles of each level, whose amplitudes differ by a few percent at the most, from the smallest on."""
+    """Return the cycles of each level, whose amplitudes differ by 5 % at most, in ascending order of amplitude."""
     order, levels = np.argsort(X, kind="stable"), list[Integers]()
     while order.size:
         same = X[order] <= (1.0 + SAME_LEVEL) * X[order[0]]
@@ -361,12 +361,12 @@ def levels_of(X: Array) -> list[Integers]:
 
 
 def measures(X: Any, W: Any, peaks: Array) -> dict[str, Any]:
-    """Return what engineers compare loops by, free of any model, by the keys of the document: W/(4X), the friction
-    force of a rigid contact with this loss; the secant stiffness k_s between the forces at the largest displacements,
-    NaN if these do not oppose each other; ζ_eq = W/(4π · ½ k_s X²) (Chopra, Dynamics of Structures, Sec. 3.9); and the
+    """Return model-free measures of loops, by keys of `identification.json`: W/(4X), the friction force of a rigid
+    contact with this loss; the secant stiffness k_s between the forces at the largest displacements, NaN if these
+    forces do not oppose each other; ζ_eq = W/(4π · ½ k_s X²) (Chopra, Dynamics of Structures, Sec. 3.9); and the
     backbone.
 
-    X : amplitude, m; NaN of a cycle that does not close.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`.
+    X : amplitude, m; NaN for a cycle that does not close.   W : energy lost in a cycle, J.   peaks : as `Loop.peaks`.
     """
     high, low, up, down = peaks.T
     stiffness = np.where((up > down) & (X > 0.0), (up - down) / (high - low), math.nan)

@@ -4,17 +4,17 @@ All features are functions of the mean harmonics of base and response, relative 
 
     X_n² = |x_n|² − var x_n              freed of the bias that noise gives a square
     W = −πk Σ n Im(y_n* x_n)             exact by orthogonality, and free of bias as it is: linear in x_n
-    b = πω Σ n²X_n²                      likewise
-    2X = x_max − x_min                   of Σ x_n e^{inωt}; of the levels of its rests, where it has such (`turning.py`)
+    b = πω Σ n²X_n²                      exact by orthogonality, too
+    2X = x_max − x_min                   of Σ x_n e^{inωt}, or between the levels of rests (`turning.py`)
     X_s, V_s, t_s, a = 4X − λ            from the exact waveform that fits (`Waveform`)
 
-A waveform that fits stands for the odd harmonics beyond the fifth, too: those of the record hold little there but
-noise. Where none fits, all harmonics up to the bandwidth are the record's own, and the onset of slip is not known:
-a = 4X. Even harmonics of the response, and higher ones of the base, are taken where they stand out of the noise. What
-needs a symmetric motion (the onset, the zero crossing) is that of its symmetric part.
+If a waveform fits, it also gives the odd harmonics beyond the fifth, where those of the record are mostly noise.
+Otherwise all harmonics up to the bandwidth are those of the record, and the onset of slip is unknown: a = 4X. Even
+harmonics of the response and higher ones of the base are used if they are significant. Onset and zero crossing are
+those of the symmetric part of the motion.
 
-Standard errors are those of the jackknife over cycles; replicates draw cycles with replacement. Both evaluate the same
-functions on many means at once, what comes from the waveform to first order.
+Standard errors follow from the jackknife over cycles; replicates draw cycles with replacement. Both evaluate the same
+functions on many means at once, with the waveform to first order.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ _OF_ONSET = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 
 @dataclass(frozen=True, eq=False)
 class Means:
-    """Means of r drawings of the rows of a record.
+    """Means of r drawings of the rows of a record, with phases relative to the base.
 
-    Y : amplitude of the base, m, (r,).   x : x_n, m, relative to its phase, (r, h), n as in `RecordHarmonics`.
-    even : x_n, n = 2, 4 …, and base : y_n, n = 2, 3 …, m, likewise, up to those that stand out of the noise.
+    Y : amplitude of the base, m, (r,).   x : x_n, m, (r, h), n as in `RecordHarmonics`.
+    even : significant x_n, n = 2, 4 …, m.   base : significant y_n, n = 2, 3 …, m.
     bias : noise bias of |x_n|², in variances of x_n, (r,): 1 for the mean, 2 for bootstrap replicates.
     """
 
@@ -61,16 +61,17 @@ class Means:
     bias: Array
 
     def __getitem__(self, kept: Any) -> Means:
-        """Return the means of some drawings, by a list or a mask."""
+        """Return the means of some drawings, selected by a list or a mask."""
         return Means(*(getattr(self, part.name)[kept] for part in fields(self)))
 
     def followed_by(self, other: Means) -> Means:
-        """Return these means and, after them, others of the same record."""
+        """Return these means followed by others of the same record."""
         names = [part.name for part in fields(self)]
         return Means(*(np.concatenate([getattr(of, n) for of in (self, other)]) for n in names))
 
     def delayed(self, turn: float, of_base: float = 0.0) -> Means:
-        """Return the means of a response that lags by `turn`, rad at the drive frequency, n times that at harmonic n.
+        """Return the means of a response that is late by `turn`, rad at the drive frequency, n times that at harmonic
+        n.
 
         of_base : as for `changed`.
         """
@@ -83,11 +84,11 @@ class Means:
     def changed(
         self, drive: float, response: float, turn: float, lever: float, of_base: float = 0.0
     ) -> Means:
-        """Return the means of base and response times the factors `drive` and `response`, the response turned by
-        `turn`, rad at the drive frequency, n times that at harmonic n, to first order.
+        """Return the means of base and response multiplied by `drive` and `response`, the response late by `turn`, rad
+        at the drive frequency, n times that at harmonic n, to first order.
 
-        lever : factor of what the drive does, the motion of the base by itself staying as it is.
-        of_base : how many times the fundamental of the base was added to what was measured of the response.
+        lever : factor of the effect of the drive that leaves the motion of the base unchanged.
+        of_base : multiple of the fundamental of the base that was added to the measured response.
         """
         added = np.zeros_like(self.x)
         added[:, 0] = self.Y * of_base
@@ -102,18 +103,18 @@ class Means:
 
 @dataclass(frozen=True, eq=False)
 class Waveform:
-    """The waveform of one record as features use it, with derivatives by the p unknowns of the fit that it is from.
+    """The fitted waveform of one record, with derivatives by the p unknowns of the fit.
 
     response : the motion.
     onset : (V_s, t_s, λ), SI, λ = 4X − a the travel that sticking takes from 4X: 2L for one slip onset per half cycle.
     onset_slope : (3, p).
-    tail : harmonics x_n, n = 1, 3, 5 …, as the record reads them, phases counted from the peak of y, m.
+    tail : harmonics x_n, n = 1, 3, 5 …, as the record shows them, phases counted from the peak of y, m.
     tail_slope : (harmonics, p).
-    at : places of the record's unknowns among the p, by name.
+    at : indices of the record's unknowns among the p, by name.
     F_k : friction force of the record, N.
     rho, rho_error : K_z^{−1/2} with its standard error.
-    folded : what harmonics beyond half the sampling rate add to those of the record, m.
-    by_data : derivatives of the unknowns by |Y|, its phase, Re x_n, Im x_n of the record, in their errors, (p, data).
+    folded : aliases in the harmonics of the record, m.
+    by_data : derivatives of the unknowns by |Y|, its phase, Re x_n and Im x_n, in units of their errors, (p, data).
     """
 
     response: Response
@@ -130,7 +131,7 @@ class Waveform:
 
     @property
     def length(self) -> float:
-        """L = 2F_k/K_z, m, freed of its bias of second order."""
+        """L = 2F_k/K_z, m, without its bias of second order."""
         return 2.0 * self.F_k * (self.rho**2 - self.rho_error**2)
 
     @property
@@ -147,9 +148,9 @@ class Reading:
     """Features of one response read off a record, with their standard errors.
 
     steady : the conditioned record.
-    waveform : the exact waveform that fits; None where none does, or none was fitted.
-    stick_travel : λ = 4X − a, m, the travel by which sticking reduces 4X where there is no waveform.
-    terms : of a law, beyond friction and a linear damper, whose integrals are wanted.
+    waveform : the exact waveform that fits; None if none does or none was fitted.
+    stick_travel : λ = 4X − a, m, by which sticking reduces the travel 4X, used if there is no waveform.
+    terms : of a damping law, other than friction and a linear damper, whose integrals are wanted.
     """
 
     steady: SteadyRecord
@@ -159,7 +160,7 @@ class Reading:
 
     @cached_property
     def lines(self) -> RecordHarmonics:
-        """The harmonics that waveforms are fitted to; of a waveform that fits, without what folded."""
+        """The harmonics to which waveforms are fitted, without the aliases of a waveform that fits."""
         lines = RecordHarmonics.of(self.steady)
         if self.waveform is None:
             return lines
@@ -167,22 +168,22 @@ class Reading:
 
     @property
     def slips(self) -> bool | None:
-        """Whether the contact slips; None where no waveform fits."""
+        """Whether the contact slips; None if no waveform fits."""
         return None if self.waveform is None else self.waveform.response.slips
 
     @cached_property
     def features(self) -> Features:
-        """Features of the one response; where no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
+        """Features of the response; if no waveform fits, X_s = −X (the rigid limit) and a = 4X − λ."""
         return self.features_of(self.mean)
 
     @property
     def warnings(self) -> tuple[Finding, ...]:
-        """Faults of the record."""
+        """Findings on the record."""
         return self.steady.warnings
 
     @cached_property
     def standard_errors(self) -> Mapping[str, float]:
-        """Standard errors by leaving out one group of rows after the other; NaN for what is not read."""
+        """Standard errors of the features by a jackknife over groups of rows; NaN for features that are not read."""
         left, errors = self.features_of(self.left_out()), {}
         for name in FEATURE_COLUMNS:
             values = getattr(left, name)
@@ -198,8 +199,8 @@ class Reading:
         return replace(means, Y=np.array([self.lines.Y]), x=self.lines.x[None])
 
     def resampled(self, count: int, rng: np.random.Generator) -> Means:
-        """Return `count` bootstrap replicates of the means: of rows drawn with replacement, with random errors of the
-        size that a record which is not steady leaves in all of them alike."""
+        """Return `count` bootstrap replicates of the means, of rows drawn with replacement, with additional random
+        errors for those that all rows of an unsteady record share."""
         drawn, stretch = bootstrap(len(self.steady.weights), count, rng)
         means = self._drawn(drawn * self.steady.weights, stretch, 2.0)
         hidden = self._hidden
@@ -212,8 +213,8 @@ class Reading:
         return self._with(means, off * hidden)
 
     def with_hidden_errors(self) -> list[Means]:
-        """Return the mean with each error that no scatter between rows shows, up and down, as one more set of groups of
-        a jackknife; nothing where there are no such errors."""
+        """Return the mean with each hidden error, up and down, as an additional set of groups of a jackknife; empty if
+        there are no hidden errors."""
         errors = np.diag(self._hidden)[self._hidden > 0.0]
         if not len(errors):
             return []
@@ -225,7 +226,7 @@ class Reading:
 
     @property
     def _hidden(self) -> Array:
-        """Errors that all rows share, m: of the amplitude of the base, and of `Means.x`, `even` and `base`."""
+        """Errors that all rows share, m: of the amplitude of the base and of `x`, `even` and `base` of `Means`."""
         of, even = self.steady, slice(2, self.steady.even_bandwidth + 1, 2)
         base = of.Y_hidden[2 : of.base_bandwidth + 1]
         return np.concatenate(
@@ -233,7 +234,7 @@ class Reading:
         )
 
     def _with(self, means: Means, off: Array | Complexes) -> Means:
-        """Return means with errors in the order of `_hidden`, (r, e); the phase of the base has none."""
+        """Return means with errors added in the order of `_hidden`, (r, e); the phase of the base has none."""
         Y, x, even, base = np.split(
             off, np.cumsum([1, means.x.shape[1], means.even.shape[1]]), axis=1
         )
@@ -242,9 +243,9 @@ class Reading:
         )
 
     def left_out(self) -> Means:
-        """Return jackknife replicates of the means: without one group of rows after the other.
+        """Return jackknife replicates of the means, each without one group of rows.
 
-        g groups (all rows, or 400): (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
+        With g groups (all rows, or 400), (g − 1)/g Σ (p_j − p̄)² over the replicates is the variance of any p.
         """
         weights = self.steady.weights
         rows = len(weights)
@@ -253,7 +254,7 @@ class Reading:
         return self._drawn(np.where(member == np.arange(groups)[:, None], 0.0, weights), 1.0, 1.0)
 
     def moved(self, means: Means) -> Array:
-        """Return changes of the unknowns of the fit with these means of the record, (p, r), to first order."""
+        """Return the changes of the unknowns of the fit for these means of the record, (p, r), to first order."""
         waveform = self.waveform
         if waveform is None:
             return np.zeros((0, len(means.Y)))
@@ -268,7 +269,7 @@ class Reading:
     def features_of(self, means: Means, moved: Array | None = None) -> Features:
         """Return the features of means of the record.
 
-        moved : changes of the unknowns of the fit with them, (p, r); default, those by this record alone.
+        moved : changes of the unknowns of the fit, (p, r); default, those caused by this record alone.
         """
         moved = self.moved(means) if moved is None else moved
         steady, series = self.steady, self.series(means, moved)
@@ -312,12 +313,12 @@ class Reading:
 
     @one_thread
     def averaged_cycle(self, points: int = 720) -> dict[str, Array]:
-        """Return one cycle as the harmonics of the record and, beyond them, the waveform give it, for plots.
+        """Return one cycle from the harmonics of the record and, beyond them, of the waveform, for plots.
 
         phase : ωt, the peak of the base at 0, rad.   x, v, acceleration : m, m/s, m/s².   y, w : of the base and its
         velocity, m, m/s.
         """
-        series = self.series(self.mean, np.zeros((self._unknowns, 1)))
+        series = self.series(self.mean)
         cycle = self._cycle(series.n, series.x[0], points)
         y = np.append(np.abs(self.steady.mean(self.steady.Y[:, 1:2])), self.lines.base)
         of_base = self._cycle(np.arange(1.0, y.size + 1.0), y, points)
@@ -329,7 +330,7 @@ class Reading:
         return self._cycle(np.arange(1.0, 2.0 * x.size, 2.0), x, points)
 
     def _cycle(self, n: Array, x: Complexes, points: int) -> dict[str, Array]:
-        """Return re Σ x_n e^{inθ} with its first two derivatives by time."""
+        """Return Re Σ x_n e^{inθ} with its first two time derivatives."""
         theta = np.linspace(0.0, 2.0 * math.pi, points, endpoint=False)
         rate, turned = 1j * n * self.steady.omega, np.exp(1j * np.outer(n, theta))
         cycle = {"phase": theta}
@@ -337,12 +338,8 @@ class Reading:
             cycle[name] = ((rate**order * x) @ turned).real
         return cycle
 
-    @property
-    def _unknowns(self) -> int:
-        return 0 if self.waveform is None else len(self.waveform.by_data)
-
     def series(self, means: Means, moved: Array | None = None) -> Series:
-        """Return the harmonics of r means of the response: the record's own, odd ones beyond them those of the
+        """Return the harmonics of r means of the response: those of the record and, beyond them, odd ones of the
         waveform.
 
         moved : as for `features_of`.
@@ -350,7 +347,7 @@ class Reading:
         moved = self.moved(means) if moved is None else moved
         waveform, lines = self.waveform, self.lines
         if waveform is None:
-            # the third and fifth are taken as they are, whether they stand out of the noise or not
+            # the third and the fifth are used even if they are not significant
             own = lines.n <= max(self.steady.bandwidth, _HIGHEST_READ)
             tail = np.zeros((len(means.Y), 0), dtype=np.complex128)
         else:
@@ -366,7 +363,7 @@ class Reading:
 
     @one_thread
     def _drawn(self, drawn: Array, stretch: float, bias: float) -> Means:
-        """Return means with the weights `drawn` of the rows, (r, rows), their deviations stretched."""
+        """Return means with the weights `drawn` of the rows, (r, rows), and their deviations times `stretch`."""
         steady, lines = self.steady, self.lines
         drawn = drawn / drawn.sum(axis=1, keepdims=True)
 
@@ -386,9 +383,9 @@ class Reading:
         return Means(np.abs(Y[:, 0]), x, even_x, base, np.full(len(drawn), bias))
 
     def _onset(self, means: Means, moved: Array) -> tuple[str, Array, Array]:
-        """Return the regime, L, (V_s, t_s, λ) of each mean, (r,) and (3, r); NaN where nothing slips.
+        """Return the regime, L, (r,), and (V_s, t_s, λ), (3, r), of each mean; NaN if the contact sticks.
 
-        L and λ grow with ρ²: the square of its error is taken off, twice where replicates have it twice.
+        L and λ are proportional to ρ², so that the square of its error is subtracted, twice for bootstrap replicates.
         """
         count, waveform = len(means.Y), self.waveform
         if waveform is None:
@@ -408,9 +405,9 @@ class Reading:
 def read_features(
     measurement: Record, k: float, *, frequency_hz: float | None = None, skip_cycles: int = 0
 ) -> Reading:
-    """Return features of the response of one measurement.
+    """Return the features of the response of one measurement.
 
-    k : stiffness, N/m.   frequency_hz : the nominal drive frequency, to compare with that of the excitation.
-    skip_cycles : cycles left out at the start.   Raises ValueError naming the source when the record cannot be used.
+    k : stiffness, N/m.   frequency_hz : nominal drive frequency, compared with that of the excitation.
+    skip_cycles : cycles to leave out at the start.   Raises ValueError naming the source if the record cannot be used.
     """
     return Reading(condition(measurement, k, frequency_hz=frequency_hz, skip_cycles=skip_cycles))

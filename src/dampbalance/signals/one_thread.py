@@ -1,6 +1,6 @@
-"""Linear algebra on one thread: the same records must give the same bytes on one core and on many.
+"""Linear algebra on one thread, so that the same records give the same bytes on any number of cores.
 
-The library behind NumPy splits sums among its threads, and their last bits follow how many there are.
+The library behind NumPy splits sums among its threads, and their last bits depend on the number of threads.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
-import numpy as np  # noqa: F401  (its library must be loaded before it can be limited)
+import numpy as np  # noqa: F401  (loads the library that is limited)
 from threadpoolctl import ThreadpoolController
 
 P = ParamSpec("P")

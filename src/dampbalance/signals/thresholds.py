@@ -1,12 +1,11 @@
-"""Every probability that decides something about records, with its reason: the one table of thresholds.
+"""The thresholds of all tests on records, as probabilities, with their reasons.
 
-A test asks how probable what it sees is in records of the oscillator with white noise. All tests together may cast a
-doubt on, or reject, at most 5 % of the sets of records that are sound, as many as an interval of 95 % may miss: each
-has a share of it, its threshold times how often it is asked in a usual set (`tests/signals/test_thresholds.py` adds
-them up). A test that only chooses which samples count, or where a search goes on, has none: by mistake it costs time or
-a few samples, and doubts nothing.
+The null hypothesis is a record of the oscillator with white noise. All tests together may doubt or reject at most 5 %
+of the sets of sound records, as many as an interval of 95 % may miss. The share of a test is its threshold times the
+number of its uses in a usual set (`tests/signals/test_thresholds.py` adds them up). A test that only chooses samples or
+continues a search has no share: a false alarm costs time or a few samples.
 
-An alarm is no doubt yet: what a test finds counts by what it may do to the numbers (`identification.answer.doubted`).
+A finding of a test causes doubt only by its possible effect on the numbers (`identification.answer.doubted`).
 """
 
 from __future__ import annotations
@@ -16,33 +15,31 @@ import math
 from scipy import special
 
 NEVER = 2.9e-7
-"""A difference that may lie anywhere among thousands of harmonics, channels and records: once in two million sets of
-them it is chance."""
+"""A difference anywhere among thousands of harmonics, channels and records; by chance in one of two million sets."""
 
 SIGNIFICANT = float(-special.ndtri(NEVER))
-"""Standard errors by which a difference must stand out then, five."""
+"""Standard errors by which such a difference must stand out, five."""
 
 RARE_LINE = -math.log(NEVER)
-"""Times the mean of a spectrum of noise, that a line of it has by chance as rarely, fifteen."""
+"""Height of a line of a spectrum of noise, relative to its mean, that is as rare, fifteen."""
 
 P_DRIFT = 1e-6
-"""Slow change of an amplitude: asked of each channel of each record, and reported with its size."""
+"""Slow change of an amplitude; tested for each channel of each record, and reported with its size."""
 
 P_OF_THE_MODEL = 1e-4
-"""χ² of forced records about the oscillator, a residual of decays that looks like a motion, χ² that one oscillator for
-all decays adds, χ² of half cycles about one F_k and c: below, another answer or a narrower band takes its place, or
+"""χ² of forced records about the oscillator, a residual of decays that resembles a motion, χ² that one oscillator for
+all decays adds, χ² of half cycles about one F_k and c. Below it another answer or a narrower band is taken, or the
 intervals grow, which costs accuracy."""
 
 P_SHOWN = 6.3e-5
-"""χ² of 16, four standard errors: slip, and a mass or a balance that contradicts the fit.
-Each changes what is answered, and is asked a few times in a set."""
+"""χ² of 16, four standard errors: slip, and a mass or a balance that contradicts the fit. Each changes the answer and
+is tested a few times in a set."""
 
 SHOWS = float(special.chdtri(1.0, P_SHOWN))
-"""Fall of χ² from which on one unknown shows then, sixteen."""
+"""Least fall of χ² by which one additional unknown is significant, sixteen."""
 
 CERTAIN = math.sqrt(SHOWS)
-"""Standard errors by which a number, or a harmonic, then stands out: by chance one in 16,000 does."""
-
+"""Standard errors by which a number or a harmonic is significant, four; by chance one in 16,000 is."""
 
 P_STEP_BACK = 3e-4
-"""χ² that new samples add where the start of a decay moves back: asked a hundred times on the way."""
+"""χ² that new samples add while the start of a decay moves back, in about a hundred steps."""

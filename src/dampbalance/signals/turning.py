@@ -1,10 +1,10 @@
 """Turning points and zero crossings of a periodic motion, from the harmonics of many means at once.
 
-A symmetric motion, x(t + T/2) = −x(t), has odd harmonics alone: its lowest point is the mirror image of its highest.
-Even harmonics have the period T/2, so that they shift both ends alike; each end is then located separately.
+A symmetric motion, x(t + T/2) = −x(t), has only odd harmonics, and its lowest point mirrors its highest. Even harmonics
+have the period T/2 and shift both ends in the same direction; each end is then located separately.
 
-Where the mass rests at an end, the measured harmonics ring about its level and are noisy, and their maximum would lie
-too far out: the level is then the mean over the middle half of the rest.
+If the mass rests at an end, the measured harmonics ring about its level and are noisy, so that their maximum would be
+too large: the level is then the mean over the middle half of the rest.
 """
 
 from __future__ import annotations
@@ -32,46 +32,40 @@ class Series:
     variance: Array
 
     @property
-    def symmetric(self) -> Series:
-        """The odd harmonics: the part with x(t + T/2) = −x(t)."""
-        odd = slice(np.count_nonzero(self.n % 2.0))
-        return Series(self.n[odd], self.x[:, odd], self.variance[:, odd])
-
-    @property
     def squares(self) -> Array:
-        """|x_n|² freed of the bias of noise, m², (r, h): may fall below zero, cutting that off would be a bias."""
+        """|x_n|² without the noise bias, m², (r, h); negative values are kept, since clipping them would be a bias."""
         return np.abs(self.x) ** 2 - self.variance
 
     def mean_between(self, begin: float, end: float) -> Array:
-        """Return the mean of x from one phase ωt to the other, rad, for each mean, (r,)."""
+        """Return the mean of x between two phases ωt, rad, (r,)."""
         turned = (np.exp(1j * self.n * end) - np.exp(1j * self.n * begin)) / (1j * self.n)
         return (self.x @ turned).real / (end - begin)
 
 
 def turning_points(series: Series, *, rests: bool) -> tuple[Array, Array]:
-    """Return (ωt, X) of r means, (r,): X is half the way from the lowest to the highest point, and ωt, with even
-    harmonics, halfway between the phase of the highest and that of the lowest, half a cycle before.
+    """Return (ωt, X) of r means, (r,): X is half the distance between the lowest and the highest point; ωt is the phase
+    of the highest or, with even harmonics, the middle between it and that of the lowest, half a cycle earlier.
 
-    rests : whether the mass may rest at its ends, and the harmonics are as they were measured.
+    rests : whether the mass may rest at its ends, because the harmonics are the measured ones.
     """
     high, top = _end(series, 1.0, rests)
     if np.all(series.n % 2.0):
         return high, top
     low, depth = _end(series, -1.0, rests)
-    asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # one takes longer than the other
+    asymmetry = (low - high) % (2.0 * math.pi) - math.pi  # one way takes longer than the other
     return high + 0.5 * asymmetry, 0.5 * (top + depth)
 
 
 def upward_zero(series: Series, lag: Array) -> Array:
     """Return ωt of the upward zero of the symmetric part, (r,).   lag : of the fundamental, rad, (r,)."""
-    odd = series.symmetric
+    odd = series.n % 2.0 > 0.0
     # 0.5 rad: the longest step towards a zero
-    return _zero(odd.n, odd.x, lag - 0.5 * math.pi, 0.5)
+    return _zero(series.n[odd], series.x[:, odd], lag - 0.5 * math.pi, 0.5)
 
 
 def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
     """Return the upward zero of Re Σ x_n e^{inθ} near θ = at, (r,), by Halley's method.   reach : of a step, rad."""
-    # three or four steps, except where a contact is so stiff that the motion nearly stops
+    # three or four steps suffice, unless a contact is so stiff that the motion nearly stops
     for _ in range(8):
         turned = x * np.exp(1j * np.outer(at, n))
         value, rate, bent = turned.real.sum(axis=1), -turned.imag @ n, -turned.real @ n**2
@@ -79,17 +73,17 @@ def _zero(n: Array, x: Complexes, at: Array, reach: float) -> Array:
         step = value / rate
         step = step / np.maximum(1.0 - 0.5 * step * bent / rate, 0.5)
         at = at - np.clip(step, -reach, reach)
-        # 1e-6 rad: the next of Halley's steps would be some hundred times its cube
+        # the next step of Halley's method would be about a hundred times the cube of this one
         if np.all(np.abs(step) < 1e-6):
             break
     return at
 
 
 def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
-    """Return (ωt, x) at the largest value of sign·x, (r,): the zero of the velocity near the largest of 1,024 points;
-    where the mass rests there, the middle of the rest and its level."""
+    """Return (ωt, x) at the largest value of sign·x, (r,): the zero of the velocity near the largest of 1,024 points,
+    or the middle and the level of a rest."""
     variances = np.broadcast_to(series.variance, series.x.shape).sum(axis=1)
-    known = variances <= variances.min()  # the mean, where there are replicates of it
+    known = variances <= variances.min()  # the mean itself, if there are replicates
     spectrum = np.zeros(_POINTS_OF_CYCLE // 2 + 1, dtype=np.complex128)
     spectrum[series.n.astype(np.intp)] = sign * series.x[known].mean(axis=0)
     values = np.fft.irfft(spectrum) * (0.5 * _POINTS_OF_CYCLE)
@@ -105,17 +99,17 @@ def _end(series: Series, sign: float, rests: bool) -> tuple[Array, Array]:
 
 
 def _rest(values: Array, highest: int, noise: float) -> tuple[float, float] | None:
-    """Begin and end of the middle half of the rest about the highest point, in points; None where there is no rest.
+    """Return begin and end of the middle half of the rest about the highest point, in points; None if there is no rest.
 
     noise : standard deviation of the values.
     """
     reach = float(np.ptp(values))
-    # so close to an end a mass counts as resting; a sample in 16,000 lies beyond four standard deviations
+    # a mass this close to an end counts as resting; one sample in 16,000 deviates by four standard deviations
     near = min(0.005 * reach + 4.0 * noise, 0.5 * reach)
     off = np.roll(values, -highest) < values[highest] - near
     after, before = int(np.argmax(off)), int(np.argmax(off[::-1]))
     harmonic = math.acos(1.0 - 2.0 * near / reach) / math.pi * values.size
-    # twice as long as a harmonic motion is as close to its end
+    # a rest lasts at least twice as long as a harmonic motion is this close to its end
     if after + before < 2.0 * harmonic:
         return None
     middle, quarter = highest + 0.5 * (after - before), 0.25 * (after + before)

@@ -1,8 +1,8 @@
-"""Tests of whether the residual of a fit is white noise, and as large as the noise of the record itself.
+"""Tests of whether the residual of a fit is white noise, and as large as the noise of the record.
 
-Each gives the probability that white noise looks as unlike itself. Averages over parts of a cycle show a motion that is
-too slow for single samples, a line of the spectrum one that is too fast for averages, and the third differences of the
-record what its noise is, whatever the model.
+Each gives the probability that white noise gives a statistic at least as large. Averages over parts of a cycle reveal a
+slow motion, a line of the spectrum a fast one, and third differences measure the noise of the record independently of
+the model.
 """
 
 from __future__ import annotations
@@ -16,17 +16,16 @@ from scipy import special
 from ..arrays import Array
 from .bursts import QUIET_PARTS, noise_of
 
-# Least variance that is taken for noise, relative to its stated one: what a record without noise leaves is rounding.
+# Least variance taken for noise, relative to the stated one: the residual of a record without noise is rounding.
 _SHARE_OF_ROUNDING = 0.1
 
 
 def averages(
     residuals: Sequence[Array], widths: Sequence[int], lost: int
 ) -> tuple[float, int, int]:
-    """Return the F ratio of the averages of residuals, over so many samples in each, to the scatter about them, and its
-    two numbers of degrees of freedom.
+    """Return the F ratio of averages of residuals to the scatter about them, and its two degrees of freedom.
 
-    lost : degrees of freedom that the fit has taken.
+    widths : number of samples in an average, for each residual.   lost : degrees of freedom used by the fit.
     """
     between = within = 0.0
     bins = count = 0
@@ -42,7 +41,7 @@ def averages(
 
 
 def chance_of_averages(residuals: Sequence[Array], widths: Sequence[int], lost: int) -> float:
-    """Return the probability that averages of white noise over these widths, or half, a quarter … of them, are as
+    """Return the probability that averages of white noise over these widths, or a half, a quarter, … of them, are as
     large."""
     chances = []
     while True:
@@ -58,7 +57,7 @@ def chance_of_lines(residuals: Sequence[Array]) -> float:
     chances = [1.0]
     for residual in residuals:
         power = np.abs(np.fft.rfft(residual)[1:-1]) ** 2
-        # a record without noise leaves rounding errors
+        # the residual of a record without noise is rounding
         total = max(float(power.sum()), _SHARE_OF_ROUNDING * residual.size * power.size)
         if power.size > 2:
             share = float(power.max()) / total
@@ -67,15 +66,15 @@ def chance_of_lines(residuals: Sequence[Array]) -> float:
 
 
 def excess_over_noise(residual: Array, values: Array, noise: float) -> float:
-    """Return the ratio of a residual to the noise of the samples themselves, where it exceeds chance; else 1.
+    """Return the ratio of a residual to the noise of the samples if it exceeds chance; otherwise 1.
 
     residual : in units of `noise`.   values : the samples.
     """
-    # the third differences of fewer samples do not measure the noise
+    # fewer samples do not measure the noise
     if values.size < 400:
         return 1.0
     ratio = math.sqrt(float(np.mean(residual**2))) * noise / noise_of(values)
     # relative error of the median of n third differences, 1.77/√n
     error = 1.77 / math.sqrt(values.size / QUIET_PARTS)
-    # error of the least of several such medians
+    # six standard errors: the noise is the smallest of several medians
     return ratio if ratio > 1.05 + 6.0 * error else 1.0

@@ -1,6 +1,6 @@
-"""Readers of every record format that laboratories have, into a `Record` in SI units.
+"""Readers of the formats of records, into a `Record` in SI units.
 
-record = read("level1.mat")                         # mapping next to it, or names and units in the file
+record = read("level1.mat")                         # with a mapping next to it, or names and units in the file
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["FORMATS", "mapping_to_start_from", "opened", "quantities_of", "read"
 def read(path: str | Path, mapping: MappingLike = None) -> Record:
     """Return the record in a file, in SI units.
 
-    path : its suffix names the format, its content must agree.   mapping : what the file does not say.
+    path : its suffix names the format, and its content must agree.   mapping : what the file does not say.
 
     Raises RecordError naming the file, what is wrong with it, and the remedy; warns of what looks odd (RecordWarning).
     """
@@ -42,16 +42,15 @@ def opened(path: Path, rules: RecordMapping) -> Iterator[tuple[Table, RecordMapp
 
 
 def quantities_of(path: str | Path, mapping: MappingLike = None) -> tuple[str, ...]:
-    """Return the quantities that names, units and mapping give the channels of a file, without a look at its samples.
-    Raises RecordError as `read`."""
+    """Return the quantities of the channels of a file by names, units and mapping. Raises RecordError as `read`."""
     picks = [pick for part in opened(*_named(path, mapping)) for pick in picks_of(*part)]
     picked = {pick.quantity for pick in picks}
     return tuple(q for q in QUANTITIES if q in picked)
 
 
 def table(path: str | Path, mapping: MappingLike = None) -> Table:
-    """Return the table of a file: names, units and rates of its channels, and their samples as recorded, which are
-    loaded where they are asked for. Raises RecordError as `read`."""
+    """Return the table of a file: names, units and rates of its channels, and their samples as recorded, loaded on
+    demand. Raises RecordError as `read`."""
     path, rules = _named(path, mapping)
     kind = checked_format(path)
     with intact(path, kind.title):
@@ -62,15 +61,16 @@ def table(path: str | Path, mapping: MappingLike = None) -> Table:
 def mapping_to_start_from(
     path: str | Path, mapping: MappingLike = None, stepped: bool | None = None
 ) -> str:
-    """Return a mapping in YAML that names the channels of a file as far as headings, units and samples show them.
+    """Return a draft of a mapping, in YAML, that names the channels of a file as far as headings, units and samples
+    show them.
 
-    Comments say what each line comes from, and why the other channels are left aside; "?" stands for what nothing
-    tells. Write it next to the record, fill it in, and correct what is wrong.
+    Comments give the reason for each line, and for leaving out other channels; "?" stands for what the file does not
+    state. Write it next to the record, fill it in, and correct it.
 
-    mapping : what is known already, such as delimiter or sampling rate.   stepped : whether the file is a table of
-    steady responses to a stepped sine; None to see it by its columns.
+    mapping : what is known already, such as delimiter or sampling rate.
+    stepped : whether the file is a table of steady responses to a stepped sine; None if its columns decide.
 
-    Raises RecordError where the mapping names channels already, or nothing in the file can be a response.
+    Raises RecordError if the mapping names channels already, or if no column can be a motion or a force.
     """
     path, rules = _named(path, mapping)
     if rules.channels or rules.table:

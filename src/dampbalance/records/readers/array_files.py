@@ -1,4 +1,4 @@
-"""Files of named arrays: HDF5, also as MATLAB 7.3 has it; MATLAB 5, arrays and structures of them; NumPy; JSON."""
+"""Files of named arrays: HDF5 and MATLAB 7.3, MATLAB 5, NumPy, JSON."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ..errors import RecordError, library
 from ..table import TIMING_NAMES, UNIT_NAMES, Table, Unread, channels_of, signals_file, table_of
 from ..units import split_label
 
-_LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as many in memory
-# fields of MATLAB that name the signals next to them, and those that hold their times
+_LARGEST_JSON = 400_000_000  # bytes; the numbers take ten times as much memory
+# fields of MATLAB that name the signals next to them, and fields of times
 _LABELS = (
     *("names", "name", "labels", "label"),
     *("channels", "channelnames", "channel_names", "signalnames", "variablenames"),
@@ -26,11 +26,9 @@ _NO_NUMBERS = (b"char", b"logical", "char", "logical")  # classes of MATLAB
 
 
 def hdf5_file(path: Path) -> Table:
-    """Return the table of an HDF5 file, or of one of MATLAB 7.3: every array of numbers in it is a channel, by its
-    path.
+    """Return the table of an HDF5 or MATLAB 7.3 file: every array of numbers in it is a channel, named by its path.
 
-    Unit and sampling rate are attributes of the array, the rate also one of the groups that hold it, or a scalar next
-    to it.
+    Unit and sampling rate are attributes of the array; the rate may also be one of its groups, or a scalar next to it.
     """
     h5py = library("h5py", "HDF5")
 
@@ -55,8 +53,8 @@ def hdf5_file(path: Path) -> Table:
 
 
 def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object]]]:
-    """Yield every array of real numbers in a file: its path, itself and what it and its groups state. Each is visited
-    once, by hard links alone."""
+    """Yield path, data and attributes, also those of its groups, of every array of real numbers in a file, once each:
+    soft links are not followed."""
     visited: list[tuple[str, Any]] = []
     file.visititems(lambda name, item: visited.append((name, item)))
     groups = {"": _attributes(file, TIMING_NAMES)}
@@ -67,7 +65,7 @@ def _datasets(h5py: Any, file: Any) -> Iterator[tuple[str, Any, dict[str, object
         if isinstance(item, h5py.Group):
             groups[name] = above | _attributes(item, TIMING_NAMES)
         elif (
-            item.dtype.kind in "fiu"  # real numbers: no truth values, no enumeration, no text
+            item.dtype.kind in "fiu"  # real numbers; no booleans, enumerations or text
             and item.size
             and h5py.check_enum_dtype(item.dtype) is None
             and item.attrs.get("MATLAB_class") not in _NO_NUMBERS
@@ -80,9 +78,8 @@ def _attributes(item: Any, names: Collection[str]) -> dict[str, object]:
 
 
 def matlab_file(path: Path) -> Table:
-    """Return the table of a MATLAB 5 file: every real array in it is a channel, a field of a structure by
-    "structure.field", with [1], [2], … behind it where there is an array of structures. Where texts next to a matrix
-    name its signals, they are called by them."""
+    """Return the table of a MATLAB 5 file: every real array in it is a channel, named "structure.field" in a structure,
+    with [1], [2], … in an array of structures. The signals of a matrix have the names that texts next to it give."""
     from scipy.io import whosmat  # slow to import
 
     reader = library("pymatreader", "MATLAB")
@@ -108,14 +105,16 @@ def matlab_file(path: Path) -> Table:
 
 
 def _is_signal(value: Any) -> bool:
-    """Return whether a value is an array of samples, in one dimension or two."""
+    """Return whether a value is an array of samples in one or two dimensions."""
     return np.ndim(value) in (1, 2) and np.size(value) > 1
 
 
 def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any, str]]:
-    """Yield fields by their paths, with their units or "". Arrays of structures or of arrays have [1], [2], … behind
-    them; the signals of a matrix, and of the structure of one signal, the names that stand next to them, or in
-    `Properties` as those of a timetable do."""
+    """Yield path, value and unit ("" if unknown) of each field.
+
+    The elements of an array of structures or of arrays have [1], [2], … at the end. The signals of a matrix, or of the
+    structure of one signal, have the names next to them, or in `Properties`, as in a timetable.
+    """
     properties = held.get("Properties")
     stated = {**held, **(properties if isinstance(properties, Mapping) else {})}
     texts = [(key.lower(), _texts(value)) for key, value in stated.items()]
@@ -150,7 +149,7 @@ def _unrolled(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, A
 
 
 def _texts(value: Any) -> list[str]:
-    """Return the texts of a field of MATLAB, one or several; none where it holds something else."""
+    """Return the texts in a field of MATLAB, one or several; none if it holds anything else."""
     several = [value] if isinstance(value, str) else value
     listed = isinstance(several, list | np.ndarray)
     texts = listed and all(isinstance(one, str) for one in several)
@@ -158,9 +157,9 @@ def _texts(value: Any) -> list[str]:
 
 
 def numpy_file(path: Path) -> Table:
-    """Return the table of an array of NumPy, or of an archive of several: each is a channel, and so is each field or
-    column of one that has them; single numbers are rate, step or first time. Pickles are not loaded: arrays of objects
-    are passed over."""
+    """Return the table of an array of NumPy, or of an archive of several: each array, or each of its fields or columns,
+    is a channel; single numbers are rate, step or first time. Pickles are not loaded, so arrays of objects are skipped.
+    """
     held = {}
     with open(path, "rb") as stream:
         packed = stream.peek(2).startswith(b"PK")
@@ -180,9 +179,9 @@ def numpy_file(path: Path) -> Table:
 
 
 def json_file(path: Path) -> Table:
-    """Return the table of a JSON file: columns by name, as lists or as pandas writes them, or rows: mappings of names
-    to cells, or lists of cells. Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values, except
-    a rate, are passed over."""
+    """Return the table of a JSON file: columns by name, as lists or as pandas writes them, or rows, as mappings of
+    names to cells or lists of cells. Points in time are texts, 2026-03-01T12:00:00.5; other texts and single values,
+    except a rate, are skipped."""
     import pandas as pd  # slow to import
 
     if (size := path.stat().st_size) > _LARGEST_JSON:
@@ -208,7 +207,7 @@ def json_file(path: Path) -> Table:
 
 
 def _table(path: Path, held: Any) -> Table:
-    """Return the table of arrays in a file, without what is no signal and no rate."""
+    """Return the table of the arrays in a file that are signals or rates."""
     if isinstance(held, Mapping):
         held = {
             str(name): values

@@ -21,7 +21,7 @@ from ..headings import quantity_of, words_of
 from ..table import RawChannel, Table, Unread, channels_of, samples_of, unit_among
 from ..units import split_label
 
-# universal files: what a channel without a name holds, and what a frequency response is of that per force
+# universal files: quantity of a channel without a name, and of a frequency response
 _SPECIFIC_TYPES = {8: "displacement", 9: "force", 11: "velocity", 12: "acceleration", 13: "force"}
 _RESPONSE_TYPES = {8: "receptance", 11: "mobility", 12: "accelerance"}
 # fields that name a time response, besides the label of its ordinate
@@ -30,8 +30,8 @@ _UFF_HEAD = re.compile(rb"(?m)^    58.*\n(?:.*\n){11}")
 
 
 def parquet_file(path: Path) -> Table:
-    """Return the table of a Parquet file; the unit of a column from its field's metadata, else from its name. Points in
-    time are read as s from the first on."""
+    """Return the table of a Parquet file; the unit of a column is in its metadata or its name. Points in time are read
+    as s from the first on."""
     parquet = library("pyarrow.parquet", "Parquet")
 
     def read(name: str, part: Any) -> Any:
@@ -49,11 +49,14 @@ def parquet_file(path: Path) -> Table:
 
 
 def uff_file(path: Path) -> Table:
-    """Return the table of a universal file: its time responses, data sets 58, with even or uneven abscissa, in text or
-    binary. A channel is called by the ID line or the component in which the channels differ and by its ordinate's
-    label, or what the data type says; by node and direction as well, where that leaves several alike or says not what
-    moves. Of a file without time responses its frequency responses: frequency, receptance, mobility or accelerance, and
-    phase, "1/phase" of the first of several."""
+    """Return the table of a universal file: its time responses, data sets 58, in text or binary, at even or uneven
+    times.
+
+    The name of a channel consists of the ID line or component in which the channels differ and the label of the
+    ordinate or the data type; also of node and direction, if several names are equal or do not tell what moves. If
+    there are no time responses, the frequency responses are read: frequency, receptance, mobility or accelerance, and
+    phase; "1/phase" of the first of several.
+    """
     pyuff = library("pyuff", "a universal file")
     tidy = _tidied(path.read_bytes())
     if (tidy.count(b"    -1\n") + tidy.count(b"    -1\r")) % 2:
@@ -89,8 +92,8 @@ def uff_file(path: Path) -> Table:
 
 
 def _tidied(raw: bytes) -> bytes:
-    """Return the bytes of a universal file as the library reads them: heads in UTF-8; where no data set is binary,
-    lines without blanks at their ends, which it would take for numbers, and ended by a line feed alone."""
+    """Return the bytes of a universal file in a form that the library reads: heads in UTF-8 and, if no data set is
+    binary, lines without blanks at the end, which it would take for numbers, that end in a line feed alone."""
 
     def in_utf8(head: re.Match[bytes]) -> bytes:
         try:
@@ -105,7 +108,7 @@ def _tidied(raw: bytes) -> bytes:
 
 def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
     """Return the names of time responses: the first ID line, or the component of the response, in which they differ
-    (the third line is the date), and the label of the ordinate, unless the line has it already."""
+    (the third ID line is a date), and the label of the ordinate unless the line contains it."""
     keys = [k for k in _NAMING if len({_stated(item, k) for item in sets}) > 1] or ["id1"]
     raws = []
     for item in sets:
@@ -128,7 +131,7 @@ def _names(sets: Sequence[dict[str, Any]]) -> list[str]:
 
 
 def _degree(item: dict[str, Any], of: str) -> str:
-    """Return the degree of freedom of a response ("rsp") or of its reference ("ref"), node 2 +Z; "" where none is
+    """Return the degree of freedom of a response ("rsp") or of its reference ("ref"), node 2 +Z; "" if none is
     stated."""
     node, direction = int(item[f"{of}_node"]), int(item[f"{of}_dir"])
     axis = ("", "X", "Y", "Z", "RX", "RY", "RZ")[min(abs(direction), 6)]
@@ -148,10 +151,10 @@ def _frequency_response(item: dict[str, Any], folder: str) -> list[RawChannel]:
 
 
 def tdms_file(path: Path) -> Table:
-    """Return the table of a TDMS file: its channels, "group/channel" if there are several groups; step and unit are
-    properties."""
+    """Return the table of a TDMS file; a channel is named "group/channel" if there are several groups. Step and unit
+    are properties of the channel."""
     nptdms, log = library("nptdms", "TDMS"), library("nptdms.log", "TDMS").log_manager
-    # the library complains about files that it reads nevertheless; this keeps it off the screen
+    # keeps off the screen what the library reports about files that it can read
     complaints = io.StringIO()
     log.console_handler.setStream(complaints)
     log.console_handler.setFormatter(None)  # the bare messages
@@ -160,7 +163,7 @@ def tdms_file(path: Path) -> Table:
         with open(path, "rb") as stream:
             return nptdms.TdmsFile.open(stream)[group][name][:][part]
 
-    # the file alone, not an index that may lie next to it
+    # opened here, so that the library ignores an index next to the file
     with open(path, "rb") as stream:
         file = nptdms.TdmsFile.open(stream)
     held = [
@@ -180,12 +183,11 @@ def tdms_file(path: Path) -> Table:
 
 
 def wav_file(path: Path) -> Table:
-    """Return the table of a WAV file: its channels are "channel 1", …, without unit; integers become parts of full
-    scale, −1 to 1."""
+    """Return the table of a WAV file: "channel 1", …, without units; integers become parts of full scale, −1 to 1."""
     from scipy.io import wavfile
 
     with warnings.catch_warnings():
-        # of chunks of notes; of an end too early where the size is one that a program writes before it knows it
+        # warnings of chunks of notes, and of an early end if the size is a placeholder
         warnings.simplefilter("ignore", wavfile.WavFileWarning)
         warnings.filterwarnings("error", "Reached EOF(?!.* expected 4294967303 )")
         rate, data = wavfile.read(path)
@@ -202,14 +204,14 @@ def wav_file(path: Path) -> Table:
 
 
 def _stated(item: dict[str, str], *keys: str) -> str | None:
-    """Return the first text under these keys; a universal file says NONE for nothing."""
+    """Return the first text under these keys; a universal file writes NONE for no text."""
     texts = (item[key].strip() for key in keys)
     return next((text for text in texts if text.upper() not in ("", "NONE")), None)
 
 
 def lvm_file(path: Path) -> Table:
-    """Return the table of a text file of LabVIEW: the channels of its one segment, with names and units, in the steps
-    of its header."""
+    """Return the table of a text file of LabVIEW: the channels of its only segment, with names, units and steps from
+    the header."""
     reader = library("lvm_read", "a text file of LabVIEW")
     document = reader.read(str(path), read_from_pickle=False, dump_file=False)
     if document["Segments"] != 1:
@@ -228,6 +230,6 @@ def lvm_file(path: Path) -> Table:
             step, start = next(timing, (0.0, 0.0))
             stated = {"dt": step, "t0": start} if min(steps) > 0.0 else {}
             channels += channels_of(name, values, stated | {"unit": next(units, "")})
-        elif not min(steps) > 0.0:  # or else the header has the digits that it lacks
+        elif not min(steps) > 0.0:  # otherwise the steps of the header have more digits
             channels += channels_of(name, values, {"unit": "s"})
     return Table(path, channels)

@@ -1,4 +1,4 @@
-"""The formats of records: for each its suffixes, the first bytes of its files, and the function that reads them."""
+"""The formats of records: the suffixes of each, the first bytes of its files, and the function that reads them."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from .text import text_file
 
 
 class Format(NamedTuple):
-    """A format: what people call it, its suffixes, what reads it (each imports its library), and how its files begin,
-    as a pattern.
+    """A format of records.
 
-    others : formats, by their short names, that files with these suffixes may have as well.
+    title : its usual name.   suffixes : of its files.   read : the function that reads it, which imports the library.
+    begins : pattern of the first bytes.   others : other formats, by short names, that these suffixes may have.
     """
 
     title: str
@@ -32,10 +32,10 @@ class Format(NamedTuple):
 
 _SHEETS = (".xlsx", ".xlsm", ".xlsb", ".xls", ".ods")
 _TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc")
-# with a mark of the byte order, or no control bytes
+# with a byte order mark, or without control bytes
 _TEXT = rb"\xff\xfe|\xfe\xff|\xef\xbb\xbf|[\t-\r\x1b -\xff]*\Z"
 
-# behind a user block or none
+# after a user block, if any
 _HDF5 = rb"(.{512}|.{1024}|.{2048}|)\x89HDF\r\n\x1a\n"
 _LVM, _NPZ = rb"(\xef\xbb\xbf)?LabVIEW Measurement", rb"PK\x03\x04.{26}[^\0]*?\.npy"
 _SHEET = rb"PK\x03\x04|\xd0\xcf\x11\xe0"
@@ -58,21 +58,18 @@ FORMATS = {
 """The formats read, by short name."""
 
 SUFFIXES = tuple(dict.fromkeys(end for of in FORMATS.values() for end in of.suffixes))
-"""Ends of the names of their files."""
+"""Suffixes of all formats."""
 
 
 def checked_format(path: Path) -> Format:
-    """Return the format of a regular file that is there, not empty, and what its name says it is. Raises RecordError
-    otherwise."""
+    """Return the format of a file. Raises RecordError if it is no regular file, is empty or too large, or if its
+    content does not agree with its suffix."""
     named = next((n for n, f in FORMATS.items() if path.suffix.lower() in f.suffixes), None)
     try:
         size = path.stat().st_size
         if not path.is_file():
-            what = (
-                "a folder; give the files in it"
-                if path.is_dir()
-                else "a pipe or a device, not a file"
-            )
+            what = "a pipe or a device, not a file"
+            what = "a folder; give the files in it" if path.is_dir() else what
             raise RecordError(f"{path}: is {what}")
         with open(path, "rb") as stream:
             # a user block of a few kB may precede HDF5
@@ -90,7 +87,7 @@ def checked_format(path: Path) -> Format:
         much = f"{size / 1e9:.3g} GB, more than the {LARGEST_FILE / 1e9:g} GB"
         raise RecordError(f"{path}: has {much} that are read; give a part of the record")
     kind = FORMATS[named]
-    # every other content than text shows itself
+    # every format except text has characteristic first bytes
     shown = [n for n, of in FORMATS.items() if n != "text" and re.match(of.begins, head, re.DOTALL)]
     content, *_ = *shown, "text" if re.match(_TEXT, head) else ""
     if content in (named, *kind.others):

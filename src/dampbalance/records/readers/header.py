@@ -1,6 +1,6 @@
-"""What the lines above the rows of a text state in words: the sampling rate, and what each channel is.
+"""The sampling rate and the channels as the lines above the rows of a text state them.
 
-`Sample rate: 2000 Hz`, `dt = 0,5 ms` and `Channel 1: Table, sensitivity 100.4 mV/g` are such lines.
+Such lines are `Sample rate: 2000 Hz`, `dt = 0,5 ms` and `Channel 1: Table, sensitivity 100.4 mV/g`.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from ..quantities import readings
 from ..table import RATE_NAMES, STEP_NAMES, RawChannel
 from ..units import VOLTS, find_motion, find_other, find_unit, split_label
 
-# (?>…) and *+ never go back: the time of a search is at most the square of the length of a line
+# (?>…) and *+ do not backtrack, so that the time of a search grows at most with the square of the length of a line
 _NUMBER = r"(?>\d{1,3}(?: \d{3})+(?=\s*[^\W\d])|\d[\d.,'\u00a0\u202f]*(?:e[+-]?\d+)?|[.,]\d+(?:e[+-]?\d+)?)"
 _STEPS = (*STEP_NAMES, "interval")
 _NAMES = "|".join(sorted((*RATE_NAMES, *_STEPS), key=len, reverse=True)).replace("_", r"[\s_'’-]*")
 _TIMING = re.compile(
-    # an interval of something else is none: "Calibration interval"; but "recorded at fs = …" is
+    # "Calibration interval" is no sampling interval; "recorded at fs = …" states the rate
     rf"(?:^|[^\w\s]|\bat\b|\bmit\b)\s*({_NAMES})\s*(?:[\[(]([^\])]*)[\])])?"
     rf"[\s:=,;|\"']*({_NUMBER})[\s,;|\"']*([^\W\d_]+(?:\s*(?:/|\bper\b|\bpro\b)\s*[^\W\d_]+)?)?",
     re.IGNORECASE,
@@ -35,7 +35,7 @@ _HEADING = re.compile(rf"(?:{_NUMBERED}|(\d+))(?:\s*\(([^)]*)\))?", re.IGNORECAS
 _SENSITIVITY = re.compile(
     rf"({_NUMBER})\s*([^\s,;|/]+(?:/s[²2^]*)?)\s*/\s*(\([^)]*\)|[^\s,;|)]+)", re.IGNORECASE
 )
-# the rate of a file that is stored at another one; and a gain of the volts, or dB: not where there is none
+# signs that the samples are stored at another rate, and that the volts have a gain, or dB
 _REDUCED = re.compile(
     r"(?:decimat|resampl|down-?sampl|dezimier|unterabtast)\w*+(?!\W*(?:1|no|none|off|nein|aus)\b)",
     re.IGNORECASE,
@@ -47,15 +47,15 @@ _DECIBELS = re.compile(r"(\d+(?:[.,]\d+)?)\s*dB\b")
 
 
 def stated_rate(lines: Sequence[str], decimal: str, delimiter: str) -> dict[str, Any]:
-    """Return what the header says of the clock, as fields of a channel: samples per second, and the line that gives
-    them; or a fault, where two lines contradict each other."""
+    """Return what the header states about the clock, as fields of a channel: samples per second and the line that
+    states them, or a fault if lines contradict each other."""
     rates = [
         (rate, " ".join(line.strip('#%;," \t\r\n').split()))
         for line in lines
         for match in _TIMING.finditer(line)
         if (rate := _rate(match, decimal, delimiter))
     ]
-    # 0.01: a step of few digits, 0.00049 s for 2048 Hz, is no contradiction
+    # a step with few digits, 0.00049 s for 2048 Hz, is no contradiction
     if any(abs(rate / rates[0][0] - 1.0) > 0.01 for rate, _ in rates):
         said = " or ".join(f"{rate:g} ({line!r})" for rate, line in rates)
         return {"fault": f"{said} samples a second? Say sample_rate_hz in a mapping"}
@@ -66,9 +66,9 @@ def stated_rate(lines: Sequence[str], decimal: str, delimiter: str) -> dict[str,
 
 
 def _rate(match: re.Match[str], decimal: str, delimiter: str) -> float | None:
-    """Return samples per second that a line states; None where it is unclear, or no unit of a rate or a step."""
+    """Return the samples per second that a line states; None if it is unclear, or has no unit of a rate or a step."""
     key, own, number, unit = match.groups()
-    if delimiter == ",":  # parts cells; or thousands, which is not clear then
+    if delimiter == ",":  # it separates cells, or thousands
         number, _, rest = number.partition(",")
         if len(number) < 4 and re.match(r"\d{3}(?!\d)", rest):
             return None
@@ -79,15 +79,15 @@ def _rate(match: re.Match[str], decimal: str, delimiter: str) -> float | None:
     unit_in_si = known.factor if known else 1.0
     values = [of * unit_in_si for of in readings(number.rstrip(".,'"), decimal)]
     rates = {"time": [1.0 / of for of in values if of], "frequency": values}.get(kind, [])
-    # 20.0 Hz: nothing is sampled more slowly; an interval without a unit is in ms then, or a count
+    # below 20 Hz, a number without a unit may be an interval in ms, or a count
     least = LOWEST_RATE if known and len(values) == 1 else 20.0
     rates = [rate for rate in rates if least <= rate <= HIGHEST_RATE]
     return float(f"{rates[0]:.12g}") if len(rates) == 1 else None  # kHz and ms are rounded
 
 
 def _sensor(text: str, decimal: str) -> RawChannel:
-    """Return what a text says of a channel, "Table, 100.4 mV/g", "0.5 mm/V" or "Mass displacement (mm)": name, unit
-    and, as its scale, units per volt; NaN where none are stated."""
+    """Return the channel that a text describes, "Table, 100.4 mV/g", "0.5 mm/V" or "Mass displacement (mm)": name, unit
+    and, as its scale, units per volt; NaN if none are stated."""
     line = " ".join(text.split())
     for found in _SENSITIVITY.finditer(line):
         number, unit, per = found.groups()
@@ -105,9 +105,8 @@ def _sensor(text: str, decimal: str) -> RawChannel:
 def described(
     columns: Sequence[RawChannel], lines: Sequence[str], cells: Sequence[str], decimal: str
 ) -> list[RawChannel]:
-    """Return the columns as a header describes them: name, unit, and the scale of one in volts; NaN where it may be in
-    volts or not. Lines belong to columns by the number in the heading, CH1, by its name, or by
-    their order.
+    """Return the columns as a header describes them: name, unit, and the scale of volts; NaN if it is unclear whether a
+    column is in volts. Lines belong to columns by the number in the heading, CH1, by its name, or by their order.
 
     cells : of a line of sensitivities, for the last columns.
     """
@@ -142,16 +141,16 @@ def described(
 
 
 def _has_gain(pattern: re.Pattern[str], line: str) -> bool:
-    """Return whether a line states a gain other than 1, or 0 dB."""
+    """Return whether a line states a gain other than 1 or 0 dB."""
     return any(float(of[1].replace(",", ".")) not in (0.0, 1.0) for of in pattern.finditer(line))
 
 
 def _key(heading: str) -> str:
-    """Return what a heading and a line about it share: the number of a channel, or its name."""
+    """Return the key that a heading shares with a line about it: the number of a channel, or its name."""
     number = _HEADING.fullmatch(heading)
     return next(filter(None, number.groups())) if number else key_of(heading)
 
 
 def keyed(table: Sequence[list[str]]) -> dict[str, list[str]]:
-    """Return the lines of a header by their first cells, without the unit, as `key_of` spells them."""
+    """Return the lines of a header by `key_of` their first cells, without units."""
     return {key_of(split_label(cells[0])[0]): cells for cells in table if len(cells) > 1}

@@ -1,4 +1,4 @@
-"""Spreadsheets: the first sheet that holds rows of numbers, read as the text that it would be exported as."""
+"""Spreadsheets: the first sheet with rows of numbers, read like the text to which it would be exported."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ..mapping import RecordMapping
 from ..table import Table
 from .text import NoRows, text_table
 
-_MOST_CELLS = 12_500_000  # cells of a sheet, with some 100 bytes of memory for each
+_MOST_CELLS = 12_500_000  # cells of a sheet, each of which takes about 100 bytes of memory
 _CELL = re.compile(rb'<c r="([A-Z]{1,3})([0-9]{1,7})"')
 _LAYOUT = RecordMapping(delimiter="\t", decimal=".")
 
 
 def spreadsheet_file(path: Path) -> Table:
-    """Return the table of a spreadsheet: the columns of its first sheet that holds rows of at least two numbers. Names
-    and units stand above the first such row, as in a text file; points in time are read as s from the first on."""
+    """Return the table of a spreadsheet: the columns of its first sheet with rows of at least two numbers. Names and
+    units are above the first such row, as in a text file; points in time are read as s from the first on."""
     calamine = library("python_calamine", "a spreadsheet")
     _require_dense(path)
     book = calamine.CalamineWorkbook.from_path(path)
@@ -36,14 +36,14 @@ def spreadsheet_file(path: Path) -> Table:
 
 
 def _text(cell: object) -> str:
-    """Return a cell as a text, in one line; a day alone is its midnight."""
+    """Return a cell as a text in one line; a date without a time is its midnight."""
     text = f"{cell}T00:00" if type(cell) is datetime.date else str(cell)
     return " ".join(re.sub("(days?),", r"\1", text).split())
 
 
 def _require_dense(path: Path) -> None:
-    """Raise RecordError for a workbook with a cell far from all others: the library takes memory for all cells up to
-    it, and ends the process where there is too little."""
+    """Raise RecordError for a workbook with a cell far from all others: the library allocates all cells up to it, and
+    ends the process if memory runs out."""
     if not zipfile.is_zipfile(path):
         return
     with zipfile.ZipFile(path) as packed:

@@ -1,5 +1,5 @@
-"""CSV, TSV and other delimited text: its encoding, delimiter, decimal mark, header, names and units of its columns are
-inferred from its first lines, its rows read in chunks.
+"""CSV, TSV and other delimited text: encoding, delimiter, decimal mark, header, and names and units of columns are
+inferred from the first lines.
 """
 
 from __future__ import annotations
@@ -50,13 +50,13 @@ _NUMBER = {
     for mark in ".,"
 }
 
-# Tried in this order; of two that fit as many rows the first wins. In "1,5;2,5" the semicolon must, so it comes before
-# the comma.
+# Tried in this order; of two that fit equally many rows the first is taken. The semicolon precedes the comma because of
+# "1,5;2,5".
 _DELIMITERS = ("\t", ";", "|", ",", WHITESPACE)
 
 
 def _halved(lines: Sequence[str]) -> bool:
-    """Return whether 0,5 is one number, not two: one heading with a unit stands above each of them."""
+    """Return whether 0,5 is one number and not two, since the heading above is a single one with a unit."""
     at = next((i for i, text in enumerate(lines) if re.fullmatch(r"-?\d+,\d+", text.strip())), 0)
     unit = split_label(lines[at - 1].strip())[1] if at else None
     return bool(unit and find_unit(unit) and not re.search("[,;|\t]", lines[at - 1]))
@@ -83,15 +83,15 @@ def _split(line: str, delimiter: str) -> list[str]:
 def _first_row(
     table: _Cells, decimal: str, header: int | None, least: int
 ) -> tuple[int, int, int, int] | None:
-    """Return how many rows of the cells of lines fit this decimal mark, the line (counted from 0) of the first one, and
-    its number of cells, without and with empty ones at the end; or None.
+    """Return how many lines are rows with this decimal mark, the number of the first one, counted from 0, and its
+    number of cells, without and with empty ones at the end; None if there are no rows.
 
-    A row has at least so many cells, a number in one and a number, a time or nothing in the others.
+    A row has at least `least` cells, a number in one of them and a number, a time or nothing in the others.
     """
     number = _NUMBER[decimal]
 
     def row(cells: Sequence[str]) -> tuple[int, int]:
-        """Return the number of cells, and of those up to the last that is not empty; (0, 0) for no row."""
+        """Return the number of cells, and that up to the last that is not empty; (0, 0) if it is no row."""
         if len(cells) < least:
             return 0, 0
         others = [cell for cell in cells if not number.fullmatch(cell)]
@@ -113,8 +113,8 @@ def _first_row(
 
 
 def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
-    """Return the cells of each line of a header, separated as the rows are, or, where no line has as many so, by
-    another mark of which the last line does."""
+    """Return the cells of each line of a header, separated like the rows or, if no line then has as many cells, by
+    another delimiter with which the last line has."""
     table = _header_cells(lines, delimiter, width, most)
     if width < 2 or any(len(cells) == width for cells in table):
         return table
@@ -123,8 +123,8 @@ def _header_table(lines: Sequence[str], delimiter: str, width: int, most: int) -
 
 
 def _header_cells(lines: Sequence[str], delimiter: str, width: int, most: int) -> list[list[str]]:
-    """Return the cells of each line of a header; where blanks separate them, of the lines with as many as the rows.
-    Without those above cells that are empty in every row, and LabVIEW's column of comments, which rows may lack."""
+    """Return the cells of each line of a header, without those above columns that are empty in every row and without
+    LabVIEW's column of comments. Where blanks separate cells, only lines with as many cells as the rows count."""
     table = []
     for line in lines:
         bare = line.strip()
@@ -144,7 +144,7 @@ def _header_cells(lines: Sequence[str], delimiter: str, width: int, most: int) -
 
 
 def columns_of(path: Path, table: _Cells, width: int) -> list[RawChannel]:
-    """Return names and units from the last rows of the header that have as many cells as the rows of numbers."""
+    """Return names and units of the columns, from the last lines of the header that have as many cells as the rows."""
     fitting = [cells for cells in table if len(cells) == width and any(cells)]
     if not fitting and table and len(table[-1]) > 1:
         raise RecordError(
@@ -154,7 +154,7 @@ def columns_of(path: Path, table: _Cells, width: int) -> list[RawChannel]:
     units = fitting.pop() if len(fitting) > 1 and _are_units(fitting[-1]) else [""] * width
     labels, stated = fitting[-1] if fitting else [""] * width, keyed(table)
     named, measured = (next(filter(None, map(stated.get, keys)), []) for keys in (_NAMES, _UNITS))
-    # a column below the key, or one of each pair, holds the times
+    # a column below the key, or one column of each pair, holds times
     pairs = len(named) == len(measured) == width
     times = {i for i, cell in enumerate(named) if cell == named[0]} if pairs else set[int]()
     if pairs:
@@ -177,8 +177,8 @@ def columns_of(path: Path, table: _Cells, width: int) -> list[RawChannel]:
 def timed(
     columns: Sequence[RawChannel], clock: Mapping[str, Any], rows: _Cells, decimal: str
 ) -> list[RawChannel]:
-    """Return the columns with the rate that a header states, `clock`. A column that counts samples, by its first rows,
-    is no time where the header states another interval, or where only its place there made it one."""
+    """Return the columns with the rate `clock` that a header states. A column that counts samples in its first rows is
+    no time if the header states another interval, or if only its place in the header made it one."""
     rate = clock.get("rate_hz")
     timed_columns = [replace(raw, **clock) for raw in columns]
     for i, raw in enumerate(timed_columns):
@@ -191,7 +191,7 @@ def timed(
 
 
 def _are_units(cells: Sequence[str]) -> bool:
-    """Return whether a line gives units: each cell is one, or empty, "-" or in brackets, and at least one is known."""
+    """Return whether a line holds units: each cell is a unit, empty, "-" or in brackets, and at least one is known."""
     bare = [cell.strip(_BRACKETS) for cell in cells]
     return any(find_unit(text) or find_other(text) for text in bare) and all(
         text in ("", "-", "1") or text != cell or find_unit(text) or find_other(text)
@@ -214,8 +214,8 @@ def _no_rows(path: Path, lines: Sequence[str], comment: str, mapping: RecordMapp
 
 
 def _encoding(path: Path) -> str:
-    """Return the encoding of a file: by its byte order mark, else UTF-8; else Shift-JIS or GB 18030 if headings make
-    sense so, or the code page of Windows (µ and ² in a header)."""
+    """Return the encoding of a file: UTF-16 by its byte order mark, else UTF-8 if it is valid, else Shift-JIS or GB
+    18030 if these give words of headings, else the code page of Windows (µ and ² in a header)."""
     with open(path, "rb") as stream:
         head = stream.read(65536)
     if head.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -229,13 +229,13 @@ def _encoding(path: Path) -> str:
 
 
 def _seconds(cells: Any) -> Array:
-    """Return the times of a column in seconds from its first one on; NaN for an empty cell. Raises ValueError for no
-    time."""
+    """Return the times of a column in seconds from the first one on, NaN for an empty cell. Raises ValueError for a
+    cell that is no time."""
     import pandas as pd  # slow to import
 
     texts = pd.Index(cells).str.replace(",", ".").str.strip()
     kind = _POINT if _POINT.fullmatch(texts[0]) else _SPAN
-    # pandas takes many a text for a span
+    # pandas accepts more texts as time spans
     if not texts.dropna().str.fullmatch(kind.pattern).all():
         raise ValueError("a cell is no time")
     times: Any = pd.TimedeltaIndex(pd.to_timedelta(texts)) if kind is _SPAN else None
@@ -249,10 +249,10 @@ def _seconds(cells: Any) -> Array:
 
 @dataclass(frozen=True)
 class _Layout:
-    """Layout of a delimited text: delimiter, decimal mark, mark of comments, lines of the header.
+    """Layout of a delimited text: delimiter, decimal mark, mark of comments, number of header lines.
 
-    opened : gives the text.   line : what its lines are called.   left : empty cells before each row.
-    odd : takes what is odd about its rows.
+    opened : opens the text.   line : word for a line, for messages.   left : empty cells before each row.
+    odd : list that receives what is odd about the rows.
     """
 
     path: Path
@@ -267,7 +267,7 @@ class _Layout:
     odd: list[Finding]
 
     def rows(self) -> Iterator[tuple[int, list[str]]]:
-        """Yield the line number, counted from 1, and cells of every row of data; slow, for finding what is wrong."""
+        """Yield the line number, counted from 1, and the cells of every row; slow, used to locate faults."""
         with self.opened() as stream:
             for number, line in itertools.islice(enumerate(stream, 1), self.header_lines, None):
                 if cells := cells_of(line, self.delimiter, self.comment):
@@ -289,7 +289,7 @@ class _Layout:
         import pandas as pd  # slow to import
 
         stamps = {i + self.left: self.channels[i].stamps for i in wanted}
-        # No `names` and no `usecols`: with them pandas drops without a word what a row has beyond the others.
+        # No `names` and no `usecols`: with them pandas silently drops the surplus cells of a row.
         with self.opened() as stream:
             table = pd.read_csv(
                 stream,
@@ -306,9 +306,9 @@ class _Layout:
         return [_seconds(table[i]) if of else np.asarray(table[i]) for i, of in stamps.items()]
 
     def _rows_before_text(self, wanted: Sequence[int], fallback: str) -> int:
-        """Return the number of rows before the text at the end of a file, with a warning.
+        """Return the number of rows before the text at the end of a file, and note the text as odd.
 
-        Raises RecordError for what is wrong with the first row that cannot be read, where rows of numbers follow on it.
+        Raises RecordError for the first row that cannot be read, if rows of numbers follow it.
         """
         faults = list[tuple[int, int, str]]()  # row, line, what is wrong with it
         for row, (line, cells) in enumerate(self.rows()):
@@ -327,7 +327,7 @@ class _Layout:
         raise RecordError(f"{self.path}: cannot be read: {shortened(fallback, 200)[1:-1]}")
 
     def _fault(self, wanted: Sequence[int], cells: Sequence[str]) -> str:
-        """Say what is wrong with the cells of a row; "" for nothing."""
+        """Return what is wrong with the cells of a row; "" if nothing is."""
         width = len(self.channels)
         if any(cells[width:]) or len(cells) <= max(wanted):
             remedy = "repair it, or cut the file before it"
@@ -363,13 +363,13 @@ def text_table(
     line: str = "line",
     comment: str = "",
 ) -> Table:
-    """Return the table of a delimited text: its layout follows from its first lines and from what the mapping says.
+    """Return the table of a delimited text; its layout follows from its first lines and from the mapping.
 
-    opened : gives the text.   line : what its lines are called.   comment : mark of comments, where it is known.
+    opened : opens the text.   line : word for a line, for messages.   comment : mark of comments; "" if unknown.
 
-    Raises RecordError when there are no rows of numbers, only one column, or a header that does not fit the rows; when
-    it is loaded, naming line and column, for a cell that is no number and a row that has too many or too few. Lines of
-    text after the last row are left aside, with a warning.
+    Raises RecordError if there are no rows of numbers, only one column, or a header that does not fit the rows. Loading
+    the table raises RecordError, naming line and column, for a cell that is no number and for a row with too many or
+    too few cells. Lines of text after the last row are ignored, with a warning.
     """
     with opened() as stream:
         # enough for any header and some rows
@@ -384,7 +384,7 @@ def text_table(
     halved = _halved(lines)
     fits = [
         (fit, delimiter, decimal)
-        # times may be missing
+        # a single column is enough if times may be missing
         for least in ([2] if mapping.sample_rate_hz is None and not halved else [2, 1])
         for delimiter, table in tables.items()
         for decimal in (mapping.decimal or ".,")
@@ -397,11 +397,11 @@ def text_table(
         fits, key=lambda fit: (fit[0][2] > 1, fit[0][0])
     )
     rows = [*filter(None, tables[delimiter][header:])][:_ROWS_TO_AGREE]
-    # a delimiter before each row makes no column, as one behind it
+    # a delimiter before or after each row makes no column
     left = min(next(i for i, cell in enumerate(row) if cell) for row in rows if any(row))
     head = _header_table(lines[:header], delimiter, width - left, cells - left)
     rows = [row[left:width] for row in rows]
-    above = [text for text in lines[:header] if len(text) < 500]  # longer ones are no words
+    above = [text for text in lines[:header] if len(text) < 500]  # longer lines are no sentences
     sensitivities = keyed(head).get("sensitivity", [])[1:]
     channels = described(columns_of(path, head, width - left), above, sensitivities, decimal)
     channels = timed(channels, stated_rate(above, decimal, delimiter), rows, decimal)
