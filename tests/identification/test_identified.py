@@ -30,7 +30,6 @@ from dampbalance.identification import report as reports
 from dampbalance.identification.forced import friction_loops
 from dampbalance.identification.level import Level, damping_ratio
 from dampbalance.identification.outputs import ALL_PICTURES, PICTURES, REPORT, TABLES, pictures_of
-from dampbalance.identification.pictures import draw
 from dampbalance.identification.screen import interval_of, value_of
 from dampbalance.measured import WAYS
 from dampbalance.project.case import read_case_schema
@@ -266,7 +265,7 @@ def test_the_friction_loop_takes_what_friction_takes(steady, fitted):
         off = loop["f_N"] / PAPER.F_k - np.sign(v)
         # away from the stops, about which harmonics ring; noise and fit leave less than a hundredth
         assert off[v.abs() > 0.3 * v.abs().max()].abs().max() < 0.02
-    panels = draw(result.pictures["friction"], result.coordinate).axes
+    panels = result.pictures["friction"].drawn(result.coordinate).axes
     for axes, a in zip(panels, result.basis.features.a, strict=True):
         lines = {line.get_label(): line for line in axes.get_lines()}
         x, f = lines["from the record"].get_data()

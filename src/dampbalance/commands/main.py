@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import __version__
-from ..project.wording import cut, did_you_mean, shortened, visible
+from ..arguments import did_you_mean
+from ..project.wording import cut, shortened, visible
 
 COMMANDS = {
     "demo": "example records, identified, with a report of the result, in seconds",
@@ -119,6 +120,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.written:
             stop.add_note(f"written: {', '.join(map(str, options.written))}")
         raise
+    except BrokenPipeError:
+        raise  # no error: whoever read the output has stopped
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         notes = getattr(error, "__notes__", [])
         text = _NO_MEMORY if isinstance(error, MemoryError) else "\n\n".join([str(error), *notes])

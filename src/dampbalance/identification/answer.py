@@ -80,15 +80,16 @@ class ParameterEstimate:
         low, high = self.interval
         return replace(self, value=value, interval=Interval(low + by, high + by))
 
-    def averaged(self, value: float, error: float, ends: tuple[float, float]) -> ParameterEstimate:
-        """Return the estimate with another value and standard error, and with other ends for normal errors: either end
-        is farther by as much as its own is beyond that of a normal error."""
+    def averaged(self, normal: ParameterEstimate) -> ParameterEstimate:
+        """Return the estimate with another value and a normally distributed error; each end of the interval lies
+        farther out by the ratio by which it did for the normal error before."""
         if not (self.standard_error > 0.0 and math.isfinite(self.value)):
             return self
         reach, (low, high) = NORMAL_95 * self.standard_error, self.interval
         less, more = (self.value - low) / reach, (high - self.value) / reach
-        wider = Interval(value - less * (value - ends[0]), value + more * (ends[1] - value))
-        return replace(self, value=value, standard_error=error, interval=wider)
+        value, ends = normal.value, normal.interval
+        wider = Interval(value - less * (value - ends.low), value + more * (ends.high - value))
+        return replace(self, value=value, standard_error=normal.standard_error, interval=wider)
 
     def wider(self, size: float) -> ParameterEstimate:
         """Return the estimate with an independent error of this standard deviation more, in quadrature at either
@@ -263,8 +264,6 @@ def answer_of_fit(
     fit: OscillatorFit,
     coefficients: Iterable[str],
     notes: Iterable[Finding],
-    *,
-    name: str = REFERENCE,
     **merit: Any,
 ) -> Answer:
     """Return the answer of a fit of maximum likelihood.
@@ -278,6 +277,10 @@ def answer_of_fit(
         key: ParameterEstimate(value, error, Interval(*ends))
         for key, (value, error, ends) in numbers.items()
     }
+    forces = [p for key, p in parameters.items() if key.partition("[")[0] == FRICTION]
+    frictionless = forces and all(p.interval.low <= 0.0 for p in forces)
+    if frictionless and math.isinf(parameters["K_z"].interval.high):
+        parameters["K_z"] = UNKNOWN  # a contact without friction has any stiffness
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
     slopes = [1.0] * len(keys) + [-2.0 * fit.K_z**1.5]
     with np.errstate(invalid="ignore"):
@@ -288,7 +291,7 @@ def answer_of_fit(
         "natural_frequency_Hz": fit.natural_frequency_hz,
         "misfit": fit.misfit,
     }
-    return Answer(name, of_contact(parameters), covariance, tuple(notes), merit=of_fit | merit)
+    return Answer(REFERENCE, parameters, covariance, tuple(notes), merit=of_fit | merit)
 
 
 def averaged(answer: Answer, selection: Selection) -> Answer:
@@ -297,31 +300,24 @@ def averaged(answer: Answer, selection: Selection) -> Answer:
 
     selection : its numbers are coefficients, ρ of the contact and m.
     """
-    covariance = selection.covariance
-    values = np.array([selection.interval(key, 0.0)[0] for key in selection.keys])
-    errors = np.sqrt(np.diag(covariance))
-    ends = map(selection.interval, selection.keys)
-    numbers = zip(values.tolist(), errors.tolist(), ends, strict=True)
-    of = dict(zip(selection.keys, numbers, strict=True))
-    parameters = {s: p.averaged(*of[s]) if s in of else p for s, p in answer.parameters.items()}
+    of = _estimates(selection)
+    parameters = {s: p.averaged(of[s]) if s in of else p for s, p in answer.parameters.items()}
+    if "rho" in of:
+        parameters["K_z"] = _averaged_stiffness(answer.K_z, of["rho"])
+    covariance = covariance_in(
+        selection, [*parameters], of["rho"].value if "rho" in of else math.nan
+    )
     merit, rig = dict(answer.merit), answer.rig
     if "m" in of and "m_kg" in merit:
         # an m that the models leave open, even its sign, stays that of the fit
-        if of["m"][1] < of["m"][0]:
-            merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / of["m"][0])
-            merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
+        m = of["m"]
+        if m.standard_error < m.value:
+            merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / m.value)
+            merit |= {"m_kg": m.value, "m_standard_error_kg": m.standard_error}
         else:
             selection = replace(selection, models=(selection.best,), weights=(1.0,))
         rig = rig_of(selection)
-    if "rho" in of:
-        parameters["K_z"] = _stiffness(answer.K_z, *of["rho"])
-    slopes = np.array(
-        [1.0 if key != "rho" else -2.0 * max(of[key][0], 1e-90) ** -3 for key in selection.keys]
-    )
-    at = [selection.keys.index("rho" if s == "K_z" else s) for s in parameters]
-    with np.errstate(over="ignore", invalid="ignore"):
-        whole = (covariance * np.outer(slopes, slopes))[np.ix_(at, at)]
-    return replace(answer, parameters=parameters, covariance=whole, merit=merit, rig=rig)
+    return replace(answer, parameters=parameters, covariance=covariance, merit=merit, rig=rig)
 
 
 def rig_of(selection: Selection) -> dict[str, ParameterEstimate]:
@@ -348,49 +344,52 @@ def rig_of(selection: Selection) -> dict[str, ParameterEstimate]:
         return {}
     shares = tuple(weight / math.fsum(weights) for weight in weights)
     of = replace(selection, keys=("m", "f_n", "zeta"), models=tuple(models), weights=shares)
-    errors = zip(of.keys, np.sqrt(np.diag(of.covariance)).tolist(), strict=True)
+    return {s: p for s, p in _estimates(of).items() if s != "zeta" or "c" in selection.keys}
+
+
+def _estimates(selection: Selection) -> dict[str, ParameterEstimate]:
+    """Return the median of each number over all models, with its standard error and interval."""
+    errors = np.sqrt(np.diag(selection.covariance)).tolist()
     return {
-        s: ParameterEstimate(of.interval(s, 0.0)[0], error, Interval(*of.interval(s)))
-        for s, error in errors
-        if s != "zeta" or "c" in selection.keys
+        key: ParameterEstimate(
+            selection.interval(key, 0.0)[0], error, Interval(*selection.interval(key))
+        )
+        for key, error in zip(selection.keys, errors, strict=True)
     }
 
 
-def _stiffness(
-    K_z: ParameterEstimate, rho: float, error: float, of_rho: tuple[float, float]
-) -> ParameterEstimate:
-    """Return a contact stiffness with another ρ = K_z^{−1/2} and its standard error: the interval comes from that of ρ,
-    and is unbounded above where that reaches zero."""
-    if not (math.isfinite(K_z.value) and K_z.standard_error > 0.0 and rho > 0.0):
+def _averaged_stiffness(K_z: ParameterEstimate, rho: ParameterEstimate) -> ParameterEstimate:
+    """Return a contact stiffness with the value and error of ρ = K_z^{−1/2} over all models."""
+    if not (math.isfinite(K_z.value) and K_z.standard_error > 0.0 and rho.value > 0.0):
         return K_z
-    own = K_z.value**-0.5
-    own_error = 0.5 * K_z.standard_error * own**3
+    value = K_z.value**-0.5
     low, high = (end**-0.5 if end > 0.0 else math.inf for end in K_z.interval[::-1])
-    estimate = ParameterEstimate(own, own_error, Interval(low, high))
-    ends = estimate.averaged(rho, error, of_rho).interval
-    upper = ends.low**-2 if ends.low > 0.0 else math.inf
+    error = 0.5 * K_z.standard_error * value**3
+    own = replace(K_z, value=value, standard_error=error, interval=Interval(low, high))
+    return stiffness_of(own.averaged(rho))
+
+
+def stiffness_of(rho: ParameterEstimate) -> ParameterEstimate:
+    """Return K_z = ρ^{−2}, N/m; its interval comes from that of ρ, and is unbounded above where that reaches zero."""
+    low, high = rho.interval
     return replace(
-        K_z,
-        value=rho**-2,
-        standard_error=2.0 * error * rho**-3,
-        interval=Interval(ends.high**-2, upper),
+        rho,
+        value=rho.value**-2,
+        standard_error=2.0 * rho.standard_error * rho.value**-3,
+        interval=Interval(high**-2, low**-2 if low > 0.0 else math.inf),
     )
 
 
-def of_contact(parameters: Mapping[str, ParameterEstimate]) -> dict[str, ParameterEstimate]:
-    """Return the parameters without a K_z that has a lower limit only where there may be no friction: a contact without
-    has any stiffness."""
-    forces = [p for key, p in parameters.items() if key.partition("[")[0] == FRICTION]
-    none = forces and all(p.interval.low <= 0.0 for p in forces)
-    unbounded = math.isinf(parameters["K_z"].interval.high)
-    return {**parameters, **({"K_z": UNKNOWN} if none and unbounded else {})}
-
-
-_NONE = np.empty((0, 0))
+def covariance_in(selection: Selection, symbols: Sequence[str], rho: float) -> Array:
+    """Return the covariance of the errors of numbers by symbol, over all models; K_z = ρ^{−2} to first order."""
+    at = [selection.keys.index("rho" if s == "K_z" else s) for s in symbols]
+    slopes = [-2.0 * max(rho, 1e-90) ** -3 if s == "K_z" else 1.0 for s in symbols]
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(selection.covariance[np.ix_(at, at)] * np.outer(slopes, slopes))
 
 
 def covariance_of(
-    parameters: Mapping[str, ParameterEstimate], symbols: Sequence[str] = (), known: Array = _NONE
+    parameters: Mapping[str, ParameterEstimate], symbols: Sequence[str], known: Array
 ) -> Array:
     """Return the covariance of the errors of all parameters from that of some, by symbol; NaN where it is not known."""
     matrix = np.full((len(parameters), len(parameters)), np.nan)

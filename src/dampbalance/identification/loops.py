@@ -36,7 +36,9 @@ from .answer import (
     Balance,
     Interval,
     ParameterEstimate,
+    covariance_in,
     covariance_of,
+    stiffness_of,
 )
 from .level import Column, Level
 from .loop_records import read_loops
@@ -368,7 +370,7 @@ def _unfitted(loops: Sequence[Loop]) -> Answer:
     note = Finding("few loops", numbers)
     names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
     balance = Balance(Rows({FRICTION: 4.0 * X}, W), np.full(W.size, math.nan), names)
-    return Answer("one slider", parameters, covariance_of(parameters), (note,), balance)
+    return Answer("one slider", parameters, np.full((3, 3), math.nan), (note,), balance)
 
 
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
@@ -411,13 +413,10 @@ def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
             of_mean = float(np.std(loads, ddof=1)) / math.sqrt(len(loops))
             t = float(student.ppf(0.5 + 0.5 * CONFIDENCE, len(loops) - 1))
             known = known.wider(value * of_mean * t / NORMAL_95)
-        low, high = known.interval
         if symbol == "c":
-            return known if high > 0.0 else UNKNOWN
-        if symbol == "K_z":  # of K_z^{−1/2}, which rather has a normal distribution
-            ends = Interval(high**-2, low**-2 if low > 0.0 else math.inf)
-            return ParameterEstimate(value**-2, 2.0 * known.standard_error * value**-3, ends)
-        return known
+            return known if known.interval.high > 0.0 else UNKNOWN
+        # K_z^{−1/2} rather has a normal distribution
+        return stiffness_of(known) if symbol == "K_z" else known
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
     c, c_error = map(float, numbers["c"])
@@ -451,9 +450,7 @@ def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
     if "g" in fit.parameters:
         merit |= {"gap_m": 2.0 * fit.value("g"), "gap_standard_error_m": 2.0 * fit.error("g")}
     symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
-    at = [weighed.keys.index("rho" if s == "K_z" else s) for s in symbols]
-    slopes = [-2.0 * numbers["rho"][0] ** -3 if s == "K_z" else 1.0 for s in symbols]
-    known = weighed.covariance[np.ix_(at, at)] * np.outer(slopes, slopes)
+    known = covariance_in(weighed, symbols, numbers["rho"][0])
     covariance = covariance_of(parameters, symbols, known)
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 

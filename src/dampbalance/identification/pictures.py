@@ -26,7 +26,6 @@ from ..figures.style import (
     STICK,
     drawn_in,
     explained,
-    lacking_glyphs,
     page,
     place,
     styled,
@@ -44,7 +43,7 @@ from .answer import Answer
 from .loading import excerpt
 
 if TYPE_CHECKING:
-    from .result import Picture, Result
+    from .result import Result
 
 DPI = 200  # pictures to look at: in print they are SVG
 
@@ -64,12 +63,6 @@ _FINE = 2880  # points of a cycle: its corners are between two of them
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
 
-def draw(picture: Picture, coordinate: Coordinate) -> Figure:
-    """Return a picture on a page of its own."""
-    with lacking_glyphs():
-        return picture.draw(*picture.of, coordinate)
-
-
 def plot(
     found: Result[Any],
     figure: str | None,
@@ -84,7 +77,7 @@ def plot(
     held = [] if given is None else [one for one in given if one is not None]
     before = {line for axes in held for line in axes.get_lines()}
     with drawn_in(given):
-        drawn = draw(pictures[name], found.coordinate)
+        drawn = pictures[name].drawn(found.coordinate)
     axes = held or drawn.axes
     for one in held:  # what the panels of a picture share, each of these has
         shared = [panel.get_xlabel() for panel in drawn.axes if panel.get_xlabel()]

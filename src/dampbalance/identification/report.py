@@ -47,7 +47,7 @@ from ..project.wording import (
 from ..records.coordinate import ROTATION, Coordinate
 from .answer import DOUBTFUL, Answer, ParameterEstimate
 from .outputs import PICTURES, pictures_of
-from .pictures import DPI, draw
+from .pictures import DPI
 from .screen import (
     answer_in_words,
     answers_table,
@@ -89,7 +89,7 @@ def report(found: Result[Any], folder: Path | None = None) -> str:
             svg, png = (Path(folder or unkept, file) for file in pictures_of([name]))
             narrow = Path(unkept, f"narrow-{svg.name}")
             with lacking_glyphs():
-                drawn = draw(picture, found.coordinate)
+                drawn = picture.drawn(found.coordinate)
                 if folder is None:
                     save_svg(drawn, svg, caption, DPI)
                 else:

@@ -18,7 +18,10 @@ from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.record import Record
 from ..signals.log_decrement import SwingDamping
+from . import outputs
+from . import screen as shown
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
+from .document import document
 from .law_comparison import LawComparison
 from .level import Column, Level, damping_ratio
 from .sensitivities import FAULTS, Fault, effects_of
@@ -35,10 +38,14 @@ if TYPE_CHECKING:
 
 
 class Picture(NamedTuple):
-    """A picture of a result: the function that draws it, of `of` and the coordinate."""
+    """A picture of a result: the function that draws it, and its arguments except the coordinate."""
 
     draw: Callable[..., Figure]
     of: tuple[Any, ...]
+
+    def drawn(self, coordinate: Coordinate) -> Figure:
+        """Return the picture on a page of its own."""
+        return self.draw(*self.of, coordinate)
 
 
 class Basis(Protocol):
@@ -314,8 +321,6 @@ class Result(Generic[B]):
         answers."""
         import pandas as pd  # slow to import
 
-        from .screen import numbers
-
         return pd.DataFrame(
             {
                 "symbol": of.symbol,
@@ -324,7 +329,7 @@ class Result(Generic[B]):
                 **of.p.interval._asdict(),
                 "verdict": of.verdict.verdict,
             }
-            for of in numbers(self)
+            for of in shown.numbers(self)
         ).set_index("symbol")
 
     def __dir__(self) -> list[str]:
@@ -347,9 +352,7 @@ class Result(Generic[B]):
 
         width : of a line, characters; tables are not wrapped.
         """
-        from .screen import screen
-
-        return screen(self, width)
+        return shown.screen(self, width)
 
     def text(self, width: int | None = None) -> str:
         """Return all sentences and tables, what `--details` shows and summary.txt holds: the screen with every cause
@@ -357,15 +360,11 @@ class Result(Generic[B]):
 
         width : of a line, characters; tables are not wrapped, and nothing is by default.
         """
-        from .screen import details
-
-        return details(self, width)
+        return shown.details(self, width)
 
     def document(self) -> dict[str, Any]:
         """Return everything, as plain data for JSON, what `identification.json` holds; SI units, named in the keys;
         what is not known is null."""
-        from .document import document
-
         return document(self)
 
     def report(self) -> str:
@@ -407,9 +406,7 @@ class Result(Generic[B]):
 
         Raises ValueError where results are there already and may not be replaced, or nothing can be written.
         """
-        from .saving import save  # slow to import
-
-        return save(self, folder, figures=figures, overwrite=overwrite)
+        return outputs.save(self, folder, figures=figures, overwrite=overwrite)
 
 
 _MADE_FROM = {

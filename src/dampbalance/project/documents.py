@@ -21,8 +21,9 @@ from ruamel.yaml.error import MarkedYAMLError
 from ruamel.yaml.nodes import Node
 from ruamel.yaml.reader import ReaderError
 
+from ..arguments import did_you_mean
 from ..law.terms import KNOWN_TERMS
-from .wording import cut, did_you_mean, shortened
+from .wording import cut, shortened
 
 KeyPath = tuple[str | int, ...]
 Problem = tuple[KeyPath, str]  # a key, its fault and the remedy
