@@ -13,9 +13,9 @@ import pytest
 
 import dampbalance
 from dampbalance import Oscillator, identify, measured_ring_down
-from dampbalance.figures import figure3, save
+from dampbalance.figures.cycle import figure3
 from dampbalance.figures.rig_drawings import rigs
-from dampbalance.figures.style import in_one_column
+from dampbalance.figures.style import in_one_column, save
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.evidence import chance, free_choices

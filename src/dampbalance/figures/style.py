@@ -69,8 +69,10 @@ def styled() -> Iterator[None]:
         yield
 
 
-_PANELS: ContextVar[Iterator[Axes | None] | None] = ContextVar("panels", default=None)
-_SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
+# panels of a caller that are left to draw in; none of them on a page, or on a figure of pyplot
+_PAGE: Iterator[Axes | None] = iter(())
+_PYPLOT: Iterator[Axes | None] = iter(())
+_PANELS: ContextVar[Iterator[Axes | None]] = ContextVar("panels", default=_PAGE)
 
 
 @contextmanager
@@ -85,18 +87,16 @@ def lacking_glyphs() -> Iterator[None]:
 def drawn_in(axes: Iterable[Axes | None] | None) -> Iterator[None]:
     """Draw pictures where a caller wants it: in these axes, one for each panel in order, or on a
     figure of pyplot where there are None. A panel for which there are no axes is drawn on a page that is not kept."""
-    token = _PANELS.set(None if axes is None else iter(axes))
-    shown = _SHOWN_BY_PYPLOT.set(axes is None)
+    token = _PANELS.set(_PYPLOT if axes is None else iter(axes))
     try:
         yield
     finally:
         _PANELS.reset(token)
-        _SHOWN_BY_PYPLOT.reset(shown)
 
 
 def page(width: float, height: float) -> Figure:
     """Draw an empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
-    if _SHOWN_BY_PYPLOT.get():
+    if _PANELS.get() is _PYPLOT:
         from matplotlib import pyplot  # slow to import
 
         return pyplot.figure(figsize=(width * MM, height * MM))
@@ -111,7 +111,7 @@ def page(width: float, height: float) -> Figure:
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
     """Return axes whose frame has its lower left corner and its size at these places of the page, mm."""
-    if (panel := next(_PANELS.get() or iter(()), None)) is not None:
+    if (panel := next(_PANELS.get(), None)) is not None:
         return panel
     wide, high = (float(size) / MM for size in figure.get_size_inches())
     return figure.add_axes((left / wide, bottom / high, width / wide, height / high))

@@ -58,7 +58,8 @@ def document(found: Result[Any]) -> dict[str, Any]:
             one.document() | {"sentence": sentence(one, coordinate)} for one in found.findings
         ],
     }
-    keyed: dict[str, Any] = coordinate.document(plain(everything), _names(found))
+    names = {*found.sources, *(record.label for record in found.records)}  # keys, too
+    keyed: dict[str, Any] = coordinate.document(plain(everything), names)
     return keyed
 
 
@@ -76,11 +77,6 @@ def table(found: Result[Any]) -> list[dict[str, Any]]:
     rows[0]["no_answer"] = found.no_answer
     columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
     return [{found.coordinate.key(name): row.get(name) for name in columns} for row in rows]
-
-
-def _names(found: Result[Any]) -> set[str]:
-    """Return names of records, which are keys, too."""
-    return {*found.sources, *(record.label for record in found.records)}
 
 
 def _entries(answer: Answer, coordinate: Coordinate) -> dict[str, Any]:

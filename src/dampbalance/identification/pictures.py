@@ -256,13 +256,10 @@ def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
         own = [one for one in rows if one.mode == mode]
         X = [1e3 * one.X for one in own]
         look: dict[str, Any] = {"fmt": "o-", "color": colour, "markersize": 3.0, "linewidth": 0.6}
-        zeta, error = (
-            [100.0 * one.ratio for one in own],
-            [100.0 * NORMAL_95 * one.ratio_error for one in own],
-        )
-        left.errorbar(X, zeta, error, label=f"mode {mode}", **look)
-        hertz, error = [one.hertz for one in own], [NORMAL_95 * one.hertz_error for one in own]
-        right.errorbar(X, np.array(hertz) / hertz[0], np.array(error) / hertz[0], **look)
+        zeta = 100.0 * np.array([(one.ratio, NORMAL_95 * one.ratio_error) for one in own])
+        left.errorbar(X, *zeta.T, label=f"mode {mode}", **look)
+        f = np.array([(one.hertz, NORMAL_95 * one.hertz_error) for one in own]) / own[0].hertz
+        right.errorbar(X, *f.T, **look)
     left.set_ylabel(r"$\zeta$ (%)")
     left.set_ylim(bottom=0.0)
     right.set_ylabel("$f$ / $f$ of the largest amplitude")

@@ -61,6 +61,7 @@ from .screen import (
     short,
     short_blocks,
     value_of,
+    with_ties,
     worded_first,
 )
 from .sensitivities import FAULTS, told
@@ -83,9 +84,10 @@ _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
 def report(found: Result[Any], folder: Path | None = None) -> str:
     """Return the report: see `Result.report`.   folder : for the pictures as SVG and PNG."""
     with TemporaryDirectory() as unkept:
-        pictures = []
+        pictures, noun = [], found.coordinate.noun
+        nouns = {of: noun(of) for of in ("force", "displacement")}
         for name, picture in found.pictures.items():
-            caption = _caption(found, name)
+            caption = PICTURES[found.basis.kind][name].format(**nouns)
             svg, png = (Path(folder or unkept, file) for file in pictures_of([name]))
             narrow = Path(unkept, f"narrow-{svg.name}")
             with lacking_glyphs():
@@ -123,22 +125,13 @@ def _page(template: str, found: Result[Any], **content: Any) -> str:
     return _TEMPLATES.get_template(f"{template}.html.j2").render(**content)
 
 
-def _caption(found: Result[Any], name: str) -> str:
-    nouns = {noun: found.coordinate.noun(noun) for noun in ("force", "displacement")}
-    return PICTURES[found.basis.kind][name].format(**nouns)
-
-
 def rich(text: str) -> Markup:
     """Return the text of a sentence or a symbol, its symbols and the options of a command set."""
-    return Markup(re.sub(r"--[a-z][a-z-]*", r"<code>\g<0></code>", in_html(text)))
+    return Markup(re.sub(r"--[a-z][a-z-]*", r"<code>\g<0></code>", in_html(with_ties(text))))
 
 
 _NAMES = {"K_z": "contact stiffness", "m": "mass", "f_n": "natural frequency"}
 _NAMES |= {"zeta": "damping ratio"}
-
-
-def _known(value: float | None) -> float:
-    return math.nan if value is None else value
 
 
 # --- what the report of one set says --------------------------------------------------------------
@@ -239,12 +232,15 @@ _TEMPLATES.filters |= {
     "interval": interval_of,
     "part": _part,
     "words": lambda symbol: _NAMES.get(symbol) or term(symbol).words,
-    "figures": lambda value: number_text(_known(value), 4),
-    "percent": lambda share: percent(_known(share)),
-    "change": lambda share: signed_percent(0.01 * round(100.0 * _known(share), 3)),
+    "figures": lambda value: number_text(value, 4),
+    "percent": percent,
+    "change": lambda share: signed_percent(0.01 * round(100.0 * share, 3)),
     "setting": _setting,
 }
 _TABLES = (answers_table, laws_table, measured_caption, measured_table, numbers)
 _WORDS = (answer_in_words, dotted, named, told, _explained, _first_check, _kind, _why)
 _FUNCTIONS = (*_TABLES, *_WORDS, _rig)
-_TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {"FAULTS": FAULTS}
+_TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {
+    "FAULTS": FAULTS,
+    "nan": math.nan,
+}

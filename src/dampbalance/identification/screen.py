@@ -367,11 +367,16 @@ def damping_of(found: Result[Any], shown: bool = True) -> list[str]:
     return sentences
 
 
+def with_ties(text: str) -> str:
+    """Return text whose lines do not break between a number, its sign and its unit, or before a quotation."""
+    return re.sub(r"(?<=[\d=±<>]) (?=\S)| (?=[=\"])", "\N{NO-BREAK SPACE}", text)
+
+
 def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
-    """Return lines broken at a width, if there is one, but not before a unit or a quotation."""
+    """Return lines broken at a width, if there is one."""
     broken: list[str] = []
     for line in lines:
-        tied = re.sub(r"(?<=[\d=±<>]) (?=\S)| (?=[=\"])", "\N{NO-BREAK SPACE}", line)
+        tied = with_ties(line)
         indent = "  " * line.startswith(("- ", "* "))
         pieces = textwrap.wrap(
             tied,
