@@ -64,8 +64,8 @@ def document(found: Result[Any]) -> dict[str, Any]:
 
 
 def table(found: Result[Any]) -> list[dict[str, Any]]:
-    """Return a row for each answer, the one to use first: value, standard errors and interval of each parameter, in
-    columns named with units, the verdict on each, and the findings on it; None where an answer has no such number."""
+    """Return a row for each answer, the one to use first: value, standard error, interval and verdict of each parameter
+    in columns named with units, and the findings on it; None if an answer has no such number."""
     rows = []
     for name, answer in found.approaches.items():
         row = {"approach": name} | _columns(answer.parameters, table=True)
@@ -111,7 +111,7 @@ def _columns(of: Mapping[str, ParameterEstimate], *, table: bool = False) -> dic
 
 
 def _column(symbol: str, what: str = "") -> str:
-    """Return F_k_standard_error_N: what a number says of a parameter, and its unit."""
+    """Return the name of a column with its unit, F_k_standard_error_N."""
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 

@@ -1,6 +1,6 @@
-"""The report of an identification: one HTML file that needs nothing else, to be read, printed and handed on.
+"""The report of an identification: one self-contained HTML file to read, print and hand on.
 
-The templates have the layout and what is said of every identification; here is what depends on its numbers.
+The templates have the layout and the fixed text; this module has the text that depends on the numbers.
 """
 
 from __future__ import annotations
@@ -117,7 +117,7 @@ def notebook(found: Result[Any]) -> str:
 
 
 def _page(template: str, found: Result[Any], **content: Any) -> str:
-    """Return a page, or a part of one, as HTML.   content : what the template shows."""
+    """Return a page, or a part of one, as HTML.   content : variables of the template."""
     content |= {"version": __version__, "colours": _COLOURS, "found": found}
     content["levels"] = found.level_documents
     of = found.coordinate
@@ -126,7 +126,7 @@ def _page(template: str, found: Result[Any], **content: Any) -> str:
 
 
 def rich(text: str) -> Markup:
-    """Return the text of a sentence or a symbol, its symbols and the options of a command set."""
+    """Return text as HTML, with symbols and options of the command typeset."""
     return Markup(re.sub(r"--[a-z][a-z-]*", r"<code>\g<0></code>", in_html(with_ties(text))))
 
 
@@ -134,7 +134,7 @@ _NAMES = {"K_z": "contact stiffness", "m": "mass", "f_n": "natural frequency"}
 _NAMES |= {"zeta": "damping ratio"}
 
 
-# --- what the report of one set says --------------------------------------------------------------
+# --- text that depends on the numbers -------------------------------------------------------------
 
 
 def _kind(answer: Answer) -> str:
@@ -150,7 +150,7 @@ def _why(findings: Sequence[Finding], coordinate: Coordinate) -> str:
 
 
 def _names(sources: Sequence[str]) -> str:
-    """Return the names of a few records, or how many there are."""
+    """Return the names of up to three records, or the number of more."""
     return f"{len(sources)} records" if len(sources) > 3 else listed([*map(short, sources)])
 
 
@@ -159,8 +159,8 @@ def _part(p: ParameterEstimate) -> str:
 
 
 def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Return what helps most: a sentence on the fault that the numbers feel most, against what their intervals allow,
-    unless they allow all of them, and what the owner of the rig can compare."""
+    """Return the first checks: a sentence on the fault with the largest effect relative to an interval, unless all
+    effects are smaller than their intervals, and the mass and frequency to compare with the rig."""
     felt = [("", 1.0)]
     for fault, shifts in effects.items():
         for symbol, p in found.answer.parameters.items():
@@ -177,12 +177,12 @@ PAGE = "howto/symptoms"
 
 
 def address(page: str) -> str:
-    """Return where the site explains a symptom, relative to its first page."""
+    """Return the address of the explanation of a symptom, relative to the first page of the site."""
     return f"{PAGE}.html#{page}"
 
 
 def _explained(findings: Iterable[Finding]) -> list[str]:
-    """Return where the site explains findings; none where it does not."""
+    """Return a sentence with the addresses that explain findings on the site; none if there are none."""
     if not (names := [*dict.fromkeys(page for one in findings for page in one.pages)]):
         return []
     return [
@@ -192,7 +192,7 @@ def _explained(findings: Iterable[Finding]) -> list[str]:
 
 
 def _rig(found: Result[Any]) -> str:
-    """Return the drawing of the rig that records are taken to be of, SVG; empty where none is drawn."""
+    """Return the drawing of the rig that the options describe, SVG; empty for kinds without a drawing."""
     from ..figures.rig_drawings import LOAD_CELL, MOUNT, RELEASE, TO_GROUND, rigs  # slow to import
 
     kind, options = found.basis.kind, found.options
