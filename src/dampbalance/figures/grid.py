@@ -96,8 +96,10 @@ def grid(
     height: float = 44.0,
     most: float = math.inf,
 ) -> Grid:
-    """Return an empty page for so many panels of this height, mm, over its whole width; no higher than wide, and than
-    `most`, where that is given."""
+    """Return an empty page for panels of this height, mm, over its whole width.
+
+    most : if given, panels are square instead, but at most this high, mm.
+    """
     width = (DOUBLE_COLUMN - left - right - (columns - 1) * COLUMN_GAP) / columns
     height = height if math.isinf(most) else min(width, most)
     figure = page(DOUBLE_COLUMN, bottom + rows * height + (rows - 1) * ROW_GAP + TOP)

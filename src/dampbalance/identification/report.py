@@ -38,6 +38,7 @@ from ..project.wording import (
     larger_by,
     listed,
     number_text,
+    part,
     percent,
     plain_text,
     sentence,
@@ -45,7 +46,7 @@ from ..project.wording import (
     visible,
 )
 from ..records.coordinate import ROTATION, Coordinate
-from .answer import DOUBTFUL, Answer, ParameterEstimate
+from .answer import DOUBTFUL, Answer
 from .outputs import PICTURES, pictures_of
 from .pictures import DPI
 from .screen import (
@@ -54,8 +55,7 @@ from .screen import (
     damping_of,
     interval_of,
     laws_table,
-    measured_caption,
-    measured_table,
+    measured_block,
     named,
     numbers,
     short,
@@ -154,10 +154,6 @@ def _names(sources: Sequence[str]) -> str:
     return f"{len(sources)} records" if len(sources) > 3 else listed([*map(short, sources)])
 
 
-def _part(p: ParameterEstimate) -> str:
-    return percent(p.within, 2).replace(" ", "\N{NO-BREAK SPACE}")
-
-
 def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]]) -> list[str]:
     """Return the first checks: a sentence on the fault with the largest effect relative to an interval, unless all
     effects are smaller than their intervals, and the mass and frequency to compare with the rig."""
@@ -167,7 +163,7 @@ def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]])
             change, half = abs(shifts.get(symbol, math.nan)), p.within
             if half > 0.0 and math.isfinite(half) and math.isfinite(change):
                 off = f"{found.coordinate.symbol(symbol)} is off by {larger_by(change)}"
-                words = f"{told(found, FAULTS[fault].words)}, {off}, but its interval allows {_part(p)} only"
+                words = f"{told(found, FAULTS[fault].words)}, {off}, but its interval allows {part(half)} only"
                 felt.append((f"check first: if {words}", change / half))
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]]), *damping_of(found)[:1]]
 
@@ -230,17 +226,14 @@ _TEMPLATES.filters |= {
     "names": _names,
     "value": value_of,
     "interval": interval_of,
-    "part": _part,
+    "part": part,
     "words": lambda symbol: _NAMES.get(symbol) or term(symbol).words,
     "figures": lambda value: number_text(value, 4),
     "percent": percent,
     "change": lambda share: signed_percent(0.01 * round(100.0 * share, 3)),
     "setting": _setting,
 }
-_TABLES = (answers_table, laws_table, measured_caption, measured_table, numbers)
+_TABLES = (answers_table, laws_table, measured_block, numbers)
 _WORDS = (answer_in_words, dotted, named, told, _explained, _first_check, _kind, _why)
-_FUNCTIONS = (*_TABLES, *_WORDS, _rig)
-_TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {
-    "FAULTS": FAULTS,
-    "nan": math.nan,
-}
+_TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in (*_TABLES, *_WORDS, _rig)}
+_TEMPLATES.globals |= {"FAULTS": FAULTS, "nan": math.nan, "inf": math.inf}

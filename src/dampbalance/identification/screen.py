@@ -24,6 +24,7 @@ from ..project.wording import (
     NO_NUMBER,
     cut,
     label_with_unit,
+    minus,
     number_text,
     part,
     percent,
@@ -177,7 +178,9 @@ def blocks(
     doubted = any(of.verdict != USABLE for of in found.answer.verdicts.values())
     answer = [answer_in_words(found)] if shown or doubted or lead(found) else []
     measured = measured_block(found.basis, of_levels, found.coordinate)
-    return [Block(answer), measured, *parts, *comparison(found, None if whole else _LAWS)]
+    of_laws = found.in_sentences(found.laws.findings) if found.laws else ()
+    laws = Block(of_laws, table=laws_table(found, None if whole else _LAWS))
+    return [Block(answer), measured, *parts, laws]
 
 
 def plain(parts: Iterable[Block], width: int | None) -> str:
@@ -245,11 +248,8 @@ def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
     return lines
 
 
-def measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list[str]]:
-    """Return the table of measured quantities, heads first, with a line for each level; empty for kinds without one.
-
-    levels : by the keys of the document.
-    """
+def _measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list[str]]:
+    """Return the table of measured quantities, heads first, with a line for each level."""
     if not (levels and (columns := basis.columns.items())):
         return []
     heads = [label_with_unit(of.symbol(s), of.unit(unit)) for _, (s, unit, _) in columns]
@@ -263,7 +263,7 @@ def _cell(level: Mapping[str, Any], key: str, column: Column) -> str:
         return short(value)
     if column.error:
         return with_error(factor * value, factor * NORMAL_95 * level[column.error])
-    return f"{value:g}" if value % 0.5 == 0.0 else number_text(factor * value, 3)
+    return minus(f"{value:g}") if value % 0.5 == 0.0 else number_text(factor * value, 3)
 
 
 def short(source: str) -> str:
@@ -272,15 +272,15 @@ def short(source: str) -> str:
     return visible(path.name if path.suffix else source)
 
 
-def measured_caption(kind: str, coordinate: Coordinate) -> str:
-    """Return the sentence that explains the columns of `measured_table`."""
-    return sentence(worded(Finding(_CAPTIONS[kind]), coordinate))
-
-
 def measured_block(basis: AnyBasis, levels: Levels, of: Coordinate) -> Block:
-    """Return `measured_table` below its caption."""
-    table = measured_table(basis, levels, of)
-    return Block([measured_caption(basis.kind, of)] if table else [], table=table, grouped=True)
+    """Return the table of measured quantities below a sentence that explains its columns; empty for kinds without one.
+
+    levels : by the keys of the document.
+    """
+    if not (table := _measured_table(basis, levels, of)):
+        return Block()
+    caption = sentence(worded(Finding(_CAPTIONS[basis.kind]), of))
+    return Block([caption], table=table, grouped=True)
 
 
 def _grouped(table: Sequence[Sequence[str]], width: int | None) -> list[str]:
@@ -407,7 +407,9 @@ def laws_table(found: Result[Any], most: int | None = None) -> list[tuple[str, .
 
     most : lines for single laws, the heaviest; by default all.
     """
-    laws = found.laws.laws if found.laws else ()
+    if found.laws is None:
+        return []
+    laws = found.laws.laws
     lines: list[tuple[str, ...]] = [("law", "weight", "coefficients ± standard error")]
     for one in laws[:most]:
         values = ", ".join(
@@ -419,13 +421,6 @@ def laws_table(found: Result[Any], most: int | None = None) -> list[tuple[str, .
     if left := len(laws[most:]) if most else 0:
         lines.append((f"{left} others", f"{math.fsum(of.weight for of in laws[most:]):.2g}", ""))
     return lines
-
-
-def comparison(found: Result[Any], most: int | None = None) -> list[Block]:
-    """Return the findings of a comparison of laws, and its table."""
-    if found.laws is None:
-        return []
-    return [Block(found.in_sentences(found.laws.findings), table=laws_table(found, most))]
 
 
 def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[Finding]:
