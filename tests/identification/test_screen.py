@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import math
 import re
 import shlex
@@ -37,7 +38,9 @@ def decay(seed=0):
     return measured_ring_down(SWUNG, x=0.012, rate_hz=300.0, duration=4.0, noise=0.004, seed=seed)
 
 
+@functools.cache
 def without_an_answer():
+    """The last response, clipped at 80 % of its peak, is that of no oscillator."""
     *sound, last = levels(rate_hz=500.0, channels=THREE)
     return identify([*sound, clipped(last, "acceleration", 0.8)], OSC.k)
 
@@ -89,6 +92,15 @@ def test_every_place_shows_the_same_numbers(found):
         low, value, high = table.loc[of.symbol, ["low", "value", "high"]]
         assert math.isnan(value) or low <= value <= high
         assert table.loc[of.symbol, "verdict"] == of.verdict.verdict
+
+
+def test_without_an_answer_the_cause_comes_first_and_the_numbers_last():
+    found, cause, remedy = without_an_answer(), "acceleration is clipped", "raise the measuring"
+    assert {v.verdict for v in found.verdicts.values()} <= {"doubtful", "none"}
+    assert cause in found.document()["no_answer"]
+    for said, last in ((found.text(), "F_k (N)"), (words(found.report()), "95 % interval")):
+        order = [in_a_line(said).index(of) for of in (f"No answer: {cause}", remedy, last)]
+        assert sorted(order) == order
 
 
 def test_mass_frequency_and_damping_ratio_have_the_errors_that_they_have():
