@@ -35,4 +35,4 @@ def spelled(name: str, value: str = "") -> str:
 
 def everything() -> str:
     """Return what shows everything of a result."""
-    return "--details" if _IN_A_SHELL.get() else "the method text()"
+    return "--details" if _IN_A_SHELL.get() else "the text method"
