@@ -351,7 +351,7 @@ def test_cycles_are_skipped(steady):
         (FILES[:2], {"mass": 0.0}, "mass must be a positive number of kg"),
         (FILES[:2], {"mass": 2.42e9}, "swings .* times in a cycle"),
         (FILES[:2], {"kind": "ring-down"}, "moves: this is no free decay"),
-        (FILES[:2], {"kind": "free"}, "kind must be one of recognised, forced, ring-down"),
+        (FILES[:2], {"kind": "forcd"}, r"one of recognised, .* \(did you mean forced\?\)"),
         (FILES[:2], {"mapping": 5}, "mapping must be what the channels hold, .*, got 5"),
         (FILES[:2], {"skip_cycles": -1}, "skip_cycles must be a whole number, 0 to .*, got -1"),
         (FILES[:2], {"terms": ["F_k", "d"]}, "'?d'?"),
