@@ -6,7 +6,6 @@ given. A masked or missing element of an array (None, NA) is NaN, wherever an ar
 
 from __future__ import annotations
 
-import difflib
 import math
 import os
 import reprlib
@@ -25,7 +24,6 @@ Kind = TypeVar("Kind")
 SMALLEST, LARGEST = 1e-30, 1e30  # SI units; beyond them, products of a few numbers overflow
 
 _WORD = 2**63 - 1  # the largest integer of an array
-_LONGEST_NAME = 40  # characters of a misspelt name that are compared
 
 
 class Bounds(NamedTuple):
@@ -174,17 +172,11 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
-def one_of(name: str, value: object, known: Collection[str]) -> str:
-    """Return one of several names."""
+def one_of(name: str, value: object, known: Collection[str], hint: str = "") -> str:
+    """Return one of several names.   hint : what follows a wrong one in the message."""
     if not isinstance(value, str) or value not in known:
-        refuse(name, f"one of {', '.join(known)}", value, did_you_mean(value, known))
+        refuse(name, f"one of {', '.join(known)}", value, hint)
     return value
-
-
-def did_you_mean(name: object, known: Iterable[str]) -> str:
-    """Return the known name that a wrong one resembles as " (did you mean zeta?)"; "" where it resembles none."""
-    near = difflib.get_close_matches(str(name)[:_LONGEST_NAME], known, n=1)
-    return f" (did you mean {near[0]}?)" if near else ""
 
 
 def names(name: str, value: object, known: Collection[str] = ()) -> tuple[str, ...]:

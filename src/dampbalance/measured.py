@@ -17,6 +17,7 @@ from .identification.loops import identify_loops
 from .identification.result import Result
 from .identification.stepped_sine import identify_joint as identify_joint
 from .project.options import Stated, asked, options_of, with_options
+from .project.wording import did_you_mean
 from .records.channel import ACCOMPANYING
 from .records.mapping import MappingLike
 from .records.measured import as_records
@@ -141,7 +142,7 @@ def identify(
     Traceback (most recent call last):
     ValueError: frequency = 3.5 is for forced records, and these are free decays: leave it out
     """
-    one_of("kind", kind, get_args(Kind))
+    one_of("kind", kind, get_args(Kind), did_you_mean(kind, get_args(Kind)))
     recognised = kind == "recognised"
     options = asked(kind, options_of(locals()))
     if recognised:

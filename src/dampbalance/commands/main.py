@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import __version__
-from ..arguments import did_you_mean
-from ..project.wording import cut, shortened, visible
+from ..project.wording import cut, did_you_mean, shortened, visible
 
 COMMANDS = {
     "demo": "example records, identified, with a report of the result, in seconds",

@@ -1,20 +1,32 @@
-"""A result as plain data: the document that `identification.json` holds, and the rows of its table."""
+"""A result as plain data, which `identification.json` holds, as rows of its table, and as the files of a folder."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__
+from ..arguments import flag, path
 from ..findings.words import sentence, unit_of
 from ..model import named_with_unit
-from ..project.files import plain
+from ..project.files import plain, write_json, write_rows, write_text
 from ..records.coordinate import TRANSLATION, Coordinate
 from .answer import CONFIDENCE, REFERENCE, Answer, ParameterEstimate
 from .law_comparison import LawComparison, LawWeight
+from .outputs import (
+    ALL_PICTURES,
+    ESTIMATES,
+    REPORT,
+    SUMMARY,
+    TABLES,
+    pictures_of,
+    require_room,
+    written_together,
+)
 from .sensitivities import FAULTS, told
 
 if TYPE_CHECKING:
@@ -77,6 +89,25 @@ def table(found: Result[Any]) -> list[dict[str, Any]]:
     rows[0]["no_answer"] = found.no_answer
     columns = dict.fromkeys(name for row in sorted(rows, key=len, reverse=True) for name in row)
     return [{found.coordinate.key(name): row.get(name) for name in columns} for row in rows]
+
+
+def save(
+    found: Result[Any], folder: str | Path, *, figures: bool = True, overwrite: bool = False
+) -> list[Path]:
+    """Write a result to a folder: see `Result.save`."""
+    folder = path("folder", folder, "the path of a folder")
+    remedy = "" if flag("overwrite", overwrite) else "overwrite=True"
+    require_room(folder, (*TABLES, *ALL_PICTURES), remedy)
+    pictures = (*pictures_of(found.figures), REPORT) if flag("figures", figures) else ()
+    with written_together(folder, (*pictures, *reversed(TABLES))) as new:
+        if figures:
+            from .report import report  # slow to import
+
+            write_text(new / REPORT, report(found, new))
+        write_rows(new / ESTIMATES, table(found))
+        write_text(new / SUMMARY, found.text())
+        write_json(new / TABLES[0], found.document())
+    return [folder / name for name in (*TABLES, *pictures)]
 
 
 def _entries(answer: Answer, coordinate: Coordinate) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""A result as the files of a folder: their names, whether there is room for them, and how they are written."""
+"""The files of a folder that a result is written to: their names, and whether there is room for them."""
 
 from __future__ import annotations
 
@@ -10,13 +10,8 @@ from importlib.resources import files
 from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
 
-from ..arguments import flag, path
-from ..project.files import UNFINISHED, write_json, write_rows, write_text
-
-if TYPE_CHECKING:
-    from .result import Result
+from ..project.files import UNFINISHED
 
 TABLES = ("identification.json", "identification.csv", "summary.txt")
 """The document with everything, the table of all numbers, and the text with all sentences."""
@@ -49,7 +44,7 @@ ALL_PICTURES = (*pictures_of(dict.fromkeys(chain(*PICTURES.values()))), REPORT)
 
 
 @contextmanager
-def _written_together(folder: Path, names: Iterable[str]) -> Iterator[Path]:
+def written_together(folder: Path, names: Iterable[str]) -> Iterator[Path]:
     """Yield an empty folder for results. When the block ends they move into `folder`, in the order of `names`, and
     replace those of an earlier identification; if it fails, nothing changes."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -76,24 +71,3 @@ def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
         raise ValueError(
             f"{folder} already contains {held}: choose another folder, or add {permission}"
         )
-
-
-def save(
-    found: Result[Any], folder: str | Path, *, figures: bool = True, overwrite: bool = False
-) -> list[Path]:
-    """Write a result to a folder: see `Result.save`."""
-    from .document import table
-
-    folder = path("folder", folder, "the path of a folder")
-    remedy = "" if flag("overwrite", overwrite) else "overwrite=True"
-    require_room(folder, (*TABLES, *ALL_PICTURES), remedy)
-    pictures = (*pictures_of(found.figures), REPORT) if flag("figures", figures) else ()
-    with _written_together(folder, (*pictures, *reversed(TABLES))) as new:
-        if figures:
-            from .report import report  # slow to import
-
-            write_text(new / REPORT, report(found, new))
-        write_rows(new / ESTIMATES, table(found))
-        write_text(new / SUMMARY, found.text())
-        write_json(new / TABLES[0], found.document())
-    return [folder / name for name in (*TABLES, *pictures)]

@@ -18,10 +18,9 @@ from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.record import Record
 from ..signals.log_decrement import SwingDamping
-from . import outputs
 from . import screen as shown
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
-from .document import document
+from .document import document, save
 from .law_comparison import LawComparison
 from .level import Column, Level, damping_ratio
 from .sensitivities import FAULTS, Fault, effects_of
@@ -413,7 +412,7 @@ class Result(Generic[B]):
 
         Raises ValueError if the folder has results that may not be replaced, or cannot be written to.
         """
-        return outputs.save(self, folder, figures=figures, overwrite=overwrite)
+        return save(self, folder, figures=figures, overwrite=overwrite)
 
 
 _MADE_FROM = {

@@ -21,9 +21,8 @@ from ruamel.yaml.error import MarkedYAMLError
 from ruamel.yaml.nodes import Node
 from ruamel.yaml.reader import ReaderError
 
-from ..arguments import did_you_mean
 from ..law.terms import KNOWN_TERMS
-from .wording import cut, shortened
+from .wording import cut, did_you_mean, shortened
 
 KeyPath = tuple[str | int, ...]
 Problem = tuple[KeyPath, str]  # a key, its fault and the remedy

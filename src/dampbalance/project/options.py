@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar, get_args
 
-from ..arguments import NUMBERS, Bounds, did_you_mean, shown
+from ..arguments import NUMBERS, Bounds, shown
 from ..law.terms import KNOWN_TERMS
-from .wording import listed
+from .wording import did_you_mean, listed
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 import re
 import unicodedata
@@ -15,6 +16,7 @@ SYMBOL = re.compile(r"\b(?:(phi|omega|zeta)(?:_(\w))?|([A-Za-zζω])_([kszmn]|\d
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LOWERED = str.maketrans("0123456789ksmn", "₀₁₂₃₄₅₆₇₈₉ₖₛₘₙ")
 _SMALLEST, _LARGEST = -6, 9  # powers of ten between which a number is written out
+_NAME = 40  # characters of a name that are compared
 _MANY_TIMES = 1000  # larger factors are not distinguished
 _FRACTIONS = {
     **{2.0: "twice", 1 / 2: "half", 1 / 3: "a third of", 1 / 4: "a quarter of"},
@@ -234,6 +236,12 @@ def shortened(value: object, most: int = 60) -> str:
 def cut(text: str, most: int) -> str:
     """Return text of this many characters at the most."""
     return text if len(text) <= most else f"{text[: most - 1]}…"
+
+
+def did_you_mean(name: object, known: Iterable[str]) -> str:
+    """Return the known name that a wrong one resembles as " (did you mean zeta?)"; "" where it resembles none."""
+    near = difflib.get_close_matches(cut(str(name), _NAME), known, n=1)
+    return f" (did you mean {near[0]}?)" if near else ""
 
 
 def visible(text: str) -> str:
