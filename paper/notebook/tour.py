@@ -116,7 +116,7 @@ figure.tight_layout()
 # side of $\dot x = 0$ in stick. For a rigid contact both branches would be one vertical line.
 
 # %% alt="Friction force against velocity: flat at plus and minus F_k, joined by two curved stick branches."
-from dampbalance.figures import friction_velocity_loop
+from dampbalance.figures.cycle import friction_velocity_loop
 
 friction_velocity_loop(orbit)
 

@@ -173,10 +173,10 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
-def one_of(name: str, value: object, known: Collection[str]) -> str:
-    """Return one of several names."""
+def one_of(name: str, value: object, known: Collection[str], hint: str = "") -> str:
+    """Return one of several names.   hint : what follows a wrong one in the message."""
     if not isinstance(value, str) or value not in known:
-        refuse(name, f"one of {', '.join(known)}", value)
+        refuse(name, f"one of {', '.join(known)}", value, hint)
     return value
 
 

@@ -17,6 +17,7 @@ from .identification.loops import identify_loops
 from .identification.result import Result
 from .identification.stepped_sine import identify_joint as identify_joint
 from .project.options import Stated, asked, options_of, with_options
+from .project.wording import did_you_mean
 from .records.channel import ACCOMPANYING
 from .records.mapping import MappingLike
 from .records.measured import as_records
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from .records.measured import RecordLike
 
 Kind = Literal["recognised", "forced", "ring-down", "stepped-sine", "loops", "friction-speed"]
-"""Kind of records: as they are recognised, forced, free decays, tables of steady responses to a stepped sine, loops of
-force against the displacement of a contact, or friction at steady speeds."""
+"""Kind of records: recognised from the records, forced, free decays ("ring-down"), tables of steady responses to a
+stepped sine, loops of force against the displacement of a contact, or friction at steady speeds."""
 
 WAYS: Mapping[str, Callable[..., Result[Any]]] = {
     "forced": identify_forced,
@@ -47,24 +48,27 @@ def read_records(
     tables: bool | None = None,
     free: bool = False,
 ) -> tuple[Record, ...]:
-    """Return measured records, ready for `identify`: from files, tables of pandas, or arrays.
+    """Read measured records from files, pandas tables or arrays, check them, and return them in SI units.
+
+    `identify` reads records by itself. Use this function to look at the channels first, or to identify the same records
+    several times without reading them again.
 
     records : one, or several. Each is the path of a file in any format (`config/records/README.md`), or of a folder of
     them; a pandas DataFrame; a mapping of names to arrays; an array with named fields, or a plain one of columns; a
     `Table`, as `records.readers.table` makes it; or a `Record`, of channels or already read. Columns and arrays are
     named like those of a file, displacement_mm or force_N, with time_s among them, or sample_rate_hz as a number. A
-    masked sample is missing, as an empty cell of a file is.
-    mapping : what the names do not say, for all records: a document as in the YAML file of a record, or the path of
-    one; default, for a file, the one next to it.
-    tables : whether they are tables of steady responses to a stepped sine (frequency, amplitudes, phase); default,
-    those that have columns of frequency and phase and none of times.   free : whether they are known to be free decays,
-    so that no channel that nothing names, and no unit of a drive, is in the way.
+    masked sample counts as missing, like an empty cell of a file.
+    mapping : the meaning of channels whose names do not give it, for all records: a document as in the YAML file of a
+    record, or the path of one; by default, for a file, the one next to it.
+    tables : whether these are tables of steady responses to a stepped sine (frequency, amplitudes, phase); by default,
+    those with columns of frequency and phase and none of times.
+    free : whether these are free decays; then unnamed channels and the unit of an excitation channel are not errors.
 
-    A record in memory is called "record 1" by its place, or as `name` in the `attrs` of its table says.
+    A record in memory is called "record 1" by its place, or by `name` in the `attrs` of its table.
 
-    Raises RecordError (a ValueError) naming record, key and remedy: a channel that is missing or unclear, a wrong unit,
-    times that do not increase or have a long gap, more than a few values that are missing, one that is infinite, a
-    constant channel. Warns of samples that are left out.
+    Raises RecordError (a ValueError) naming record, key and remedy: for a missing or ambiguous channel, a wrong unit,
+    times that do not increase or have a long gap, more than a few missing values, an infinite value or a constant
+    channel. Warns of samples that are left out.
 
     >>> import numpy as np
     >>> from dampbalance import read_records
@@ -108,24 +112,25 @@ def identify(
 ) -> Result[Any]:
     """Identify the coefficients of a damping law and the contact stiffness K_z from measured records, with intervals.
 
-    The records are recognised and handed over: forced records to `identify_forced`, free decays to `identify_decays`,
-    tables of a stepped sine to `identify_joint`, measured loops to `identify_loops`, tables of friction at steady
-    speeds to `identify_friction_speed`. Their signatures are the options that apply; one at its default may be given
-    for any kind.
+    Use it for records of any kind. It recognises the kind and calls the function for it: `identify_forced` for forced
+    records, `identify_decays` for free decays, `identify_joint` for tables of a stepped sine, `identify_loops` for
+    measured loops, `identify_friction_speed` for tables of friction at steady speeds. Their signatures show which
+    options apply to a kind; an option at its default is accepted for every kind.
 
-    records : as `read_records` returns or takes them: files, tables of pandas, arrays; all of one kind.
-    stiffness : k, N/m (N m/rad of a rotation), alone or with its standard uncertainty, (2310.0, 10.0), or a text
-    with its unit, "2.31 ± 0.01 N/mm"; it scales F_k and c. Only tables of responses to a force, measured loops and
-    steady speeds do without.
-    mapping : what the records do not say of their channels, where they are read here.
-    kind : "forced", "ring-down", "stepped-sine", "loops" or "friction-speed", where it is not to be recognised:
-    tables by their columns of frequency and phase, or of velocity and force in both directions without times; measured
-    loops by force and displacement or velocity where neither stiffness nor mass is given, forced records by an
-    excitation channel that keeps moving.
+    records : as `read_records` takes or returns them: files, pandas tables or arrays, all of one kind.
+    stiffness : k, N/m (N m/rad of a rotation), alone, with its standard uncertainty, (2310.0, 10.0), or as a text with
+    its unit, "2.31 ± 0.01 N/mm". Measure it statically and state its uncertainty, as all results scale with it. Forced
+    records and free decays need it or the mass; tables of responses to a force, measured loops and steady speeds do
+    not.
+    mapping : the meaning of channels whose names do not give it, see `read_records`.
+    kind : "forced", "ring-down" (free decays), "stepped-sine", "loops" or "friction-speed". State it if the records are
+    taken for another kind. By default, tables are recognised by their columns, of frequency and phase, or of velocity
+    and force in both directions without times; measured loops by a force and a displacement or velocity without
+    stiffness or mass; and forced records by an excitation channel that keeps moving.
     The options of the signature, which `help` describes.
 
-    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an option
-    that does not apply to the kind, records of several kinds, and what the function for the kind refuses.
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: for an
+    option that does not apply to the kind, for records of several kinds, and where the function for the kind does.
 
     >>> from dampbalance import Oscillator, identify, measured_ring_down
     >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=20800.0, F_k=0.5)
@@ -137,7 +142,7 @@ def identify(
     Traceback (most recent call last):
     ValueError: frequency = 3.5 is for forced records, and these are free decays: leave it out
     """
-    one_of("kind", kind, get_args(Kind))
+    one_of("kind", kind, get_args(Kind), did_you_mean(kind, get_args(Kind)))
     recognised = kind == "recognised"
     options = asked(kind, options_of(locals()))
     if recognised:
@@ -157,8 +162,8 @@ def identify(
 
 
 def _is_loop(record: Record) -> bool:
-    """Return whether a record holds a force and a displacement or velocity, or both, that keep moving, and nothing else
-    but a normal force."""
+    """Return whether a record has a force and a displacement or velocity that keep moving, and no other channel except
+    a normal force."""
     moving = {*record.quantities} - {*ACCOMPANYING, "force"}
     known = "force" in record.quantities and moving <= {"displacement", "velocity"}
     return bool(known and moving) and keeps_moving(record)

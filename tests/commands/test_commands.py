@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import signal
 import subprocess
@@ -388,3 +389,12 @@ def test_a_shell_completes_commands_options_values_and_files(typed, completed, t
 @pytest.mark.parametrize("part", kernels.PARTS)
 def test_each_part_of_the_set_up_runs(part):
     kernels.main([part])
+
+
+def test_a_reader_of_the_output_that_stops_ends_a_command_without_a_word():
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "dampbalance", "--print-completion", "bash"]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True)
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (141, "")

@@ -15,11 +15,13 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from dampbalance import BaseMotion, balance, figures, steady_orbit
+from dampbalance import BaseMotion, balance, steady_orbit
 from dampbalance.estimates import estimate_table
-from dampbalance.figures import looks, style
-from dampbalance.figures.cycle import branches
+from dampbalance.figures import ALT, looks, style
+from dampbalance.figures.cycle import branches, figure3, friction_velocity_loop
+from dampbalance.figures.error_levels import estimation_error
 from dampbalance.figures.rig_drawings import rigs
+from dampbalance.figures.schematic import schematic
 from dampbalance.figures.series import signed_scale
 from dampbalance.figures.style import (
     DOUBLE_COLUMN,
@@ -27,6 +29,7 @@ from dampbalance.figures.style import (
     SINGLE_COLUMN,
     explained,
     in_one_column,
+    save,
     styled,
 )
 from legible import faults
@@ -47,16 +50,16 @@ def estimates():
 
 def error_figure(estimates, oscillator=PAPER):
     hertz = {name: FREQUENCIES_HZ[name] for name in estimates}
-    return figures.estimation_error(estimates, oscillator, hertz, LEVELS)
+    return estimation_error(estimates, oscillator, hertz, LEVELS)
 
 
 @pytest.fixture(scope="module")
 def made(orbits, estimates):
     """A function from the name of a figure to the figure, drawn when first asked for; no test changes it."""
     draw = {
-        "figure1": figures.schematic,
-        "figure2": lambda: figures.friction_velocity_loop(orbits[0]),
-        "figure3": lambda: figures.figure3(orbits),
+        "figure1": schematic,
+        "figure2": lambda: friction_velocity_loop(orbits[0]),
+        "figure3": lambda: figure3(orbits),
         "estimation_error": lambda: error_figure(estimates),
     }
     return functools.cache(lambda name: draw[name]())
@@ -78,7 +81,7 @@ def texts(artists):
 # --- files and looks -----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", figures.ALT)
+@pytest.mark.parametrize("name", ALT)
 def test_no_text_is_clipped_or_overlaps_another(made, name):
     assert faults(made(name)) == []
 
@@ -86,13 +89,13 @@ def test_no_text_is_clipped_or_overlaps_another(made, name):
 def test_files_have_the_same_bytes_fit_a_column_and_say_what_they_show(made, orbits, tmp_path):
     def written(figure, name):
         svg, png = tmp_path / f"{name}.svg", tmp_path / f"{name}.png"
-        figures.save(figure, svg, png, "What it shows: φ − 1.")
+        save(figure, svg, png, "What it shows: φ − 1.")
         return svg.read_bytes(), png.read_bytes()
 
-    usual = {name: written(made(name), name) for name in figures.ALT}
+    usual = {name: written(made(name), name) for name in ALT}
     theirs = {"font.size": 20.0, "svg.hashsalt": None, "savefig.dpi": 50, "axes.grid": True}
     with matplotlib.rc_context(theirs):
-        assert written(figures.friction_velocity_loop(orbits[0]), "theirs") == usual["figure2"]
+        assert written(friction_velocity_loop(orbits[0]), "theirs") == usual["figure2"]
         assert theirs.items() <= matplotlib.rcParams.items()
     for name, (svg, _) in usual.items():
         assert b"<dc:description>What it shows: \xcf\x86 \xe2\x88\x92 1.</dc:description>" in svg
@@ -200,7 +203,7 @@ def test_figure3_marks_what_table_1_lists_and_frames_what_it_enlarges(made, orbi
 
 def test_figure3_shows_every_level_and_enlarges_the_first_that_slips(orbits):
     stuck = steady_orbit(PAPER, BaseMotion(1e-4, OMEGA))
-    figure = panels(figures.figure3([stuck, *orbits[1:]]))
+    figure = panels(figure3([stuck, *orbits[1:]]))
     for letter, of_state in (("a", lambda o: o.X * 1e3), ("c", lambda o: o.V_s)):
         axes = figure[letter]
         ends = {round(float(line.get_xdata()[n]), 9) for line in axes.lines for n in (0, -1)}
@@ -208,7 +211,7 @@ def test_figure3_shows_every_level_and_enlarges_the_first_that_slips(orbits):
         assert {"$Y$ = 0.1 mm", "6", "8", "10", "12"} <= set(texts(axes.texts))
     assert line(figure["d"], "V_s").get_xdata()[0] == pytest.approx(orbits[1].V_s)
     with pytest.raises(ValueError, match="at least one orbit"):
-        figures.figure3([])
+        figure3([])
 
 
 @pytest.mark.parametrize(
@@ -221,7 +224,7 @@ def test_figure3_shows_every_level_and_enlarges_the_first_that_slips(orbits):
 )
 def test_where_nothing_is_to_be_marked_the_regime_is_named(changed, drive, words):
     orbit = steady_orbit(replace(PAPER, **changed), BaseMotion(0.004, drive * OMEGA))
-    for figure in (figures.friction_velocity_loop(orbit), figures.figure3([orbit])):
+    for figure in (friction_velocity_loop(orbit), figure3([orbit])):
         figure.draw_without_rendering()
         assert words in [text for axes in figure.axes for text in texts(axes.texts)]
 
@@ -316,4 +319,4 @@ def test_direct_integration_that_is_not_exact_is_drawn_and_a_missing_frequency_n
     assert shown == pytest.approx([0.01] * (len(PAIRS) + 1), rel=1e-6)
     for wanted in ({"omega2": 3.5}, {}):
         with pytest.raises(ValueError, match=r"estimates needed for the frequencies"):
-            figures.estimation_error({"omega1": frame}, PAPER, wanted, LEVELS)
+            estimation_error({"omega1": frame}, PAPER, wanted, LEVELS)

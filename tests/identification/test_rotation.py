@@ -132,6 +132,7 @@ def test_no_unit_of_a_translation_is_left_in_any_output(forced, pendulum, tmp_pa
         if file.endswith(".svg"):  # what is written, as matplotlib notes it
             text = " | ".join(re.findall(r"<!--(.*?)-->", text, re.DOTALL))
             assert "rad" in text or "N m" in text or file == "balance.svg", file
+        text = text.replace("\N{NO-BREAK SPACE}", " ")
         text = re.sub(r"<style>.*?</style>|data:[^\"]*", "", text, flags=re.DOTALL)
         for source in sorted(names, key=len, reverse=True):
             text = text.replace(source, "")

@@ -18,8 +18,11 @@ from unittest import mock
 
 from matplotlib.figure import Figure
 
-from dampbalance import figures, steady_orbit
-from dampbalance.figures import style
+from dampbalance import steady_orbit
+from dampbalance.figures import ALT, style
+from dampbalance.figures.cycle import figure3, friction_velocity_loop
+from dampbalance.figures.error_levels import estimation_error
+from dampbalance.figures.schematic import schematic
 from dampbalance.project.files import EVERY_DIGIT, read_csv, write_csv, write_json, write_rows
 from dampbalance.publishing.article import compiling
 from dampbalance.publishing.page.report import PageContent, report_page
@@ -173,13 +176,13 @@ def _figures(project: Project) -> None:
     orbits = [steady_orbit(PAPER, motion) for motion in CASE.motions(FIRST)]
     errors = exact(PAPER).estimates, PAPER, CASE.frequencies_hz, CASE.levels_m
     others = {
-        "figure1": figures.schematic(),
-        "figure2": figures.friction_velocity_loop(orbits[0]),
-        "figure3": figures.figure3(orbits),
-        "estimation_error": figures.estimation_error(*errors),
+        "figure1": schematic(),
+        "figure2": friction_velocity_loop(orbits[0]),
+        "figure3": figure3(orbits),
+        "estimation_error": estimation_error(*errors),
     }
     for name, figure in others.items():
-        project.save(figure, f"{RESULTS}/figures/{name}.svg", None, figures.ALT[name])
+        project.save(figure, f"{RESULTS}/figures/{name}.svg", None, ALT[name])
 
 
 def page_content(folder: Path, article: Path) -> PageContent:

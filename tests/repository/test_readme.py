@@ -13,10 +13,9 @@ import pytest
 
 import dampbalance
 from dampbalance import Oscillator, identify, measured_ring_down
-from dampbalance.figures import figure3, save
+from dampbalance.figures.cycle import figure3
 from dampbalance.figures.rig_drawings import rigs
-from dampbalance.figures.style import in_one_column
-from dampbalance.identification.pictures import draw
+from dampbalance.figures.style import in_one_column, save
 from dampbalance.project.wording import with_error
 from dampbalance.replication.claims.causes import Sources
 from dampbalance.replication.claims.evidence import chance, free_choices
@@ -73,7 +72,7 @@ def decay_with_fit():
     truth = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=208_000.0, F_k=0.5)
     decay = measured_ring_down(truth, x=0.01, rate_hz=250.0, duration=2.6, noise=0.02, seed=1)
     answer = identify(decay, stiffness=truth.k)
-    figure = draw(answer.pictures["decays"], answer.coordinate)
+    figure = answer.pictures["decays"].drawn(answer.coordinate)
     words = [
         f"${symbol}$ = {with_error(0.5 * (low + high), 0.5 * (high - low))} {unit} (true: {true:g})"
         for symbol, unit, true in (("F_k", "N", truth.F_k), ("c", "N s/m", truth.c))

@@ -119,6 +119,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.written:
             stop.add_note(f"written: {', '.join(map(str, options.written))}")
         raise
+    except BrokenPipeError:
+        raise  # no error: whoever read the output has stopped
     except (ValueError, ArithmeticError, OSError, MemoryError) as error:
         notes = getattr(error, "__notes__", [])
         text = _NO_MEMORY if isinstance(error, MemoryError) else "\n\n".join([str(error), *notes])

@@ -7,15 +7,6 @@ who cannot see it.
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .cycle import figure3, friction_velocity_loop
-    from .error_levels import estimation_error
-    from .schematic import schematic
-    from .style import save
-
 ALT = {
     "figure1": (
         "Mass m on rollers, driven through a spring k by a base that moves by y(t), damped by c against the ground, "
@@ -36,22 +27,3 @@ ALT = {
     ),
 }
 """Alternative text of each figure in the paper's case, by the name of its file."""
-
-__all__ = ["ALT", "estimation_error", "figure3", "friction_velocity_loop", "save", "schematic"]
-
-# Loaded when they are asked for: the page takes looks and values from this room, and does without matplotlib.
-_MODULES = {
-    "estimation_error": "error_levels",
-    "figure3": "cycle",
-    "friction_velocity_loop": "cycle",
-    "save": "style",
-    "schematic": "schematic",
-}
-
-
-def __getattr__(name: str) -> object:
-    if name not in _MODULES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f".{_MODULES[name]}", __name__), name)
-    globals()[name] = value  # in place of a module of that name, which its import leaves here
-    return value

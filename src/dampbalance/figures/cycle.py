@@ -191,7 +191,7 @@ def figure3(orbits: Sequence[Orbit]) -> Figure:
 
 
 def _draw(over_x: Axes, over_v: Axes, orbit: Orbit, **look: Any) -> list[Branch]:
-    """Return a loop over the displacement, and over the velocity."""
+    """Draw a loop over displacement and over velocity, and return its branches."""
     cycle = branches(orbit)
     for state, colour in ((branch.state, branch.colour) for branch in cycle):
         over_x.plot(state.x * 1e3, state.acceleration, color=colour, **look)
@@ -249,5 +249,5 @@ def _arrow_along(axes: Axes, x: Array, y: Array, share: float, colour: str) -> N
 
 
 def _name_regime(axes: Axes, orbit: Orbit) -> None:
-    """Say in a panel why there is nothing to mark."""
+    """Write into a panel why there is nothing to mark."""
     axes.text(0.5, 0.9, str(orbit.regime), transform=axes.transAxes, ha="center", va="center")

@@ -71,7 +71,8 @@ def estimation_error(
     for name in frequencies_hz:
         errors |= _relative(name, estimates[name], oscillator.F_k)
     groups = _alike(errors, approaches)
-    bounds = {key: _largest(errors, key) for key in approaches}
+    sizes = {key: [abs(e) for of, e in errors.items() if of[1] == key] for key in approaches}
+    bounds = {key: max(of, default=math.inf) for key, of in sizes.items()}
     exact = {key: max(bound, ROUNDING) for key, bound in bounds.items() if bound < EXACT}
     others = [np.array([error for key, error in errors.items() if key[1] not in exact])]
     scale = signed_scale(others, SMALLEST, math.inf)
@@ -107,11 +108,6 @@ def _relative(frequency: str, table: pd.DataFrame, true: float) -> Errors:
         if math.isfinite(error):
             errors[frequency, row["approach"], row["phase"], row["pair"]] = error
     return errors
-
-
-def _largest(errors: Errors, approach: str) -> float:
-    """Return the size of the largest error of an approach, %; infinite where it has none."""
-    return max((abs(e) for key, e in errors.items() if key[1] == approach), default=math.inf)
 
 
 def _alike(errors: Errors, approaches: Sequence[str]) -> list[tuple[str, ...]]:

@@ -96,8 +96,10 @@ def grid(
     height: float = 44.0,
     most: float = math.inf,
 ) -> Grid:
-    """Return an empty page for so many panels of this height, mm, over its whole width; no higher than wide, and than
-    `most`, where that is given."""
+    """Return an empty page for panels of this height, mm, over its whole width.
+
+    most : if given, panels are square instead, but at most this high, mm.
+    """
     width = (DOUBLE_COLUMN - left - right - (columns - 1) * COLUMN_GAP) / columns
     height = height if math.isinf(most) else min(width, most)
     figure = page(DOUBLE_COLUMN, bottom + rows * height + (rows - 1) * ROW_GAP + TOP)
@@ -141,17 +143,14 @@ def signed_axis(axes: Axes, scale: SignedScale) -> None:
     axes.set_ylim(ROOM * scale.low, ROOM * scale.high)
     ticks = scale.ticks
     every = math.ceil(len(ticks) / NAMED)
-    named = {0.0, *(tick for tick in ticks if tick and _steps(tick, scale) % every == 0)}
+    end = math.log10(max(scale.high, -scale.low))
+    steps = {tick: round(end - math.log10(abs(tick))) for tick in ticks if tick}
+    named = {0.0, *(tick for tick, decades in steps.items() if decades % every == 0)}
     axes.yaxis.set_major_locator(FixedLocator(ticks))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: _power(y) if y in named else ""))
     axes.yaxis.set_minor_locator(FixedLocator([]))
     axes.grid(axis="y", color=GRID, lw=0.4)
     axes.axhline(0.0, color=FAINT, lw=0.5, zorder=0.5)
-
-
-def _steps(tick: float, scale: SignedScale) -> int:
-    """Return how many decades the larger end of an axis lies beyond a tick."""
-    return round(math.log10(max(scale.high, -scale.low) / abs(tick)))
 
 
 def _power(value: float) -> str:

@@ -1,7 +1,6 @@
-"""How each approach looks, in print and on the page: whatever draws approaches asks here.
+"""The look of each approach, in print and on the page.
 
-An approach needs no entry here: one that `LOOKS` does not name takes a spare look, and every label comes from
-`balance.APPROACHES`.
+An approach without an entry in `LOOKS` gets a spare look; labels come from `balance.APPROACHES`.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ from ..balance import APPROACHES, Approach
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """How one approach is drawn, everywhere alike.
+    """Colours and marks of one approach.
 
     colour, marker : in print, as matplotlib names them.
     series : what the page's style sheet calls its colour, which is `light` or `dark` as the reader has it.
@@ -58,8 +57,7 @@ def look_of(approach: str) -> Look:
 
 
 def label_of(approach: str) -> str:
-    """Return the name that an approach is called by: its label, that of the built-in one of the name, or else its
-    name."""
+    """Return the label of an approach, or its name if it has none."""
     known = approach if isinstance(approach, Approach) else APPROACHES.get(approach)
     return known.label if known else approach
 

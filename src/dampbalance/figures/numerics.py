@@ -334,10 +334,10 @@ def glance(evidence: Evidence, c: float, effective_c: float) -> Figure:
         right.plot(places, values, ls="none", ms=4.5, label=label, **look)
         for at in zip(places, values, strict=True):
             text = f"{at[1]:+#.2g}".rstrip(".").replace("-", "−")
-            if at[1] > 0.0 and n < len(_MARKERS) - 1:
-                note(right, text, at, (0.0, 4.0), "center", "bottom", size=7.0)
-            else:  # also of the last mark, clear of the stems of the others
-                note(right, text, at, (0.0, -4.0), "center", "top", size=7.0)
+            # below the last mark, clear of the stems of the others
+            up = at[1] > 0.0 and n < len(_MARKERS) - 1
+            shift, va = (4.0, "bottom") if up else (-4.0, "top")
+            note(right, text, at, (0.0, shift), "center", va, size=7.0)
     right.axhline(0.0, color=INK, lw=0.6)
     right.set_yscale("asinh", linear_width=0.05)
     right.set_ylim(-1500.0, 4000.0)

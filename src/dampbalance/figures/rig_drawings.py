@@ -60,6 +60,12 @@ def _contact(axes: Axes, left: float, right: float) -> None:
     axes.plot([slider - 0.4, right], [_CONTACT - 2.3] * 2, color=STICK, lw=1.6)
 
 
+def _motion(axes: Axes, x: float, name: str) -> None:
+    """Draw an arrow above the rig, from x on, and its name."""
+    arrow(axes, (x, 40.0), (x + 5.5, 40.0), INK)
+    axes.text(x + 6.3, 40.0, name, va="center")
+
+
 def _all_between(axes: Axes, left: float, right: float) -> None:
     _spring(axes, left, right, _SPRING, "$k$", INK)
     _damper(axes, left, right, "$c$")
@@ -73,20 +79,16 @@ def _ground(axes: Axes) -> None:
     _damper(axes, 19.0, _WALL, "$c$")
     _contact(axes, 19.0, _WALL)
     _wall(axes)
-    arrow(axes, (1.0, 40.0), (6.5, 40.0), INK)
-    axes.text(7.3, 40.0, "$y$", va="center")
-    arrow(axes, (14.0, 40.0), (19.5, 40.0), INK)
-    axes.text(20.3, 40.0, "$x$", va="center")
+    _motion(axes, 1.0, "$y$")
+    _motion(axes, 14.0, "$x$")
 
 
 def _mount(axes: Axes) -> None:
     _box(axes, 3.0, 6.0, GREY)
     _all_between(axes, 6.0, 22.0)
     _box(axes, 22.0, 31.0, COOL, "$m$")
-    arrow(axes, (3.0, 40.0), (8.5, 40.0), INK)
-    axes.text(9.3, 40.0, "$y$", va="center")
-    arrow(axes, (25.0, 40.0), (30.5, 40.0), INK)
-    axes.text(31.3, 40.0, "$x$", va="center")
+    _motion(axes, 3.0, "$y$")
+    _motion(axes, 25.0, "$x$")
 
 
 def _load_cell(axes: Axes) -> None:

@@ -1,4 +1,4 @@
-"""The axis that holds errors, values that ask for a logarithmic one, and the two ways of sharing φ and t_s."""
+"""Axes for errors and for logarithmic values, and the two ways of sharing φ and t_s."""
 
 from __future__ import annotations
 

@@ -69,8 +69,10 @@ def styled() -> Iterator[None]:
         yield
 
 
-_PANELS: ContextVar[Iterator[Axes | None] | None] = ContextVar("panels", default=None)
-_SHOWN_BY_PYPLOT: ContextVar[bool] = ContextVar("shown by pyplot", default=False)
+# panels of a caller that are left to draw in; none of them on a page, or on a figure of pyplot
+_PAGE: Iterator[Axes | None] = iter(())
+_PYPLOT: Iterator[Axes | None] = iter(())
+_PANELS: ContextVar[Iterator[Axes | None]] = ContextVar("panels", default=_PAGE)
 
 
 @contextmanager
@@ -83,26 +85,26 @@ def lacking_glyphs() -> Iterator[None]:
 
 @contextmanager
 def drawn_in(axes: Iterable[Axes | None] | None) -> Iterator[None]:
-    """Draw pictures where a caller wants it: in these axes, one for each panel in order, or on a
-    figure of pyplot where there are None. A panel for which there are no axes is drawn on a page that is not kept."""
-    token = _PANELS.set(None if axes is None else iter(axes))
-    shown = _SHOWN_BY_PYPLOT.set(axes is None)
+    """Draw the panels of a picture in given axes, in order, or on a figure of pyplot if `axes` is None. A panel without
+    axes is drawn on a page that is discarded."""
+    token = _PANELS.set(_PYPLOT if axes is None else iter(axes))
     try:
         yield
     finally:
         _PANELS.reset(token)
-        _SHOWN_BY_PYPLOT.reset(shown)
 
 
 def page(width: float, height: float) -> Figure:
-    """Draw an empty figure of the given size, mm. A notebook shows it as it shows those of pyplot."""
-    if _SHOWN_BY_PYPLOT.get():
+    """Return an empty figure of this size, mm, which a notebook displays like those of pyplot."""
+    if _PANELS.get() is _PYPLOT:
         from matplotlib import pyplot  # slow to import
 
         return pyplot.figure(figsize=(width * MM, height * MM))
     from matplotlib.figure import Figure
 
-    if "IPython" in sys.modules:  # which may not know yet how a figure is shown
+    if (
+        "IPython" in sys.modules
+    ):  # which otherwise displays figures after the first import of pyplot only
         from matplotlib import pyplot
 
         pyplot.install_repl_displayhook()
@@ -110,8 +112,8 @@ def page(width: float, height: float) -> Figure:
 
 
 def place(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
-    """Return axes whose frame has its lower left corner and its size at these places of the page, mm."""
-    if (panel := next(_PANELS.get() or iter(()), None)) is not None:
+    """Return axes whose frame has this lower left corner and size on the page, mm."""
+    if (panel := next(_PANELS.get(), None)) is not None:
         return panel
     wide, high = (float(size) / MM for size in figure.get_size_inches())
     return figure.add_axes((left / wide, bottom / high, width / wide, height / high))
@@ -132,15 +134,16 @@ def note(
     va: str = "bottom",
     **look: Any,
 ) -> Text:
-    """Return words next to a place in the axes, shifted from it by points."""
+    """Return a text next to a point of the axes.   shift : from the point, in points of print."""
     look |= {"ha": ha, "va": va}
     return axes.annotate(text, xy=at, xytext=shift, textcoords="offset points", **look)
 
 
 def explained(figure: Figure, scale: float = 1.0, ncols: int = 0) -> Figure:
-    """Return the figure with a legend at its foot of all that its panels show, marks so many times as large.
+    """Return the figure with a legend of all its panels at its foot.
 
-    ncols : entries in a line of the legend; default, all of them.
+    scale : size of the marks in the legend, relative to those in the panels.
+    ncols : entries in a line of the legend; by default all.
     """
     named = {
         label: handle
@@ -258,7 +261,7 @@ DARK: dict[str, str] = {
 
 
 def follows_the_screen(svg: str) -> str:
-    """Return an SVG file of matplotlib that is drawn in the dark colours where the reader prefers them.
+    """Return an SVG file of matplotlib that is displayed in dark colours if the reader prefers them.
 
     Rules of CSS replace the colours, which matplotlib writes into the `style` of each element. Text in the ink has no
     colour there: it takes the `fill` of what is around it.

@@ -29,7 +29,6 @@ from ..project.wording import (
     listed,
     number_text,
     part,
-    percent,
     signed,
     times,
     with_error,
@@ -172,7 +171,7 @@ def limit(symbol: str, low: float, high: float, vocabulary: Vocabulary) -> str:
 
 
 def masses(implied: float, given: float, vocabulary: Vocabulary) -> str:
-    """Return records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"""
+    """Return "records imply 3.1000 kg, you gave 3.098 kg (0.065 % less)"."""
     ratio, off, unit = given / implied, given / implied - 1.0, vocabulary.unit("kg")
     if not 0.5 < ratio < 2.0:
         how = f"{times(ratio)} that"
@@ -180,8 +179,7 @@ def masses(implied: float, given: float, vocabulary: Vocabulary) -> str:
     else:
         shown = 1 - math.floor(math.log10(abs(given - implied))) if off else 4
         written_with = -int(Decimal(f"{given:.6g}").as_tuple().exponent)
-        size = f"{100.0 * abs(off):.2f} %" if abs(off) >= 1e-4 else percent(off)
-        how = f"{size} {'less' if off < 0.0 else 'more'}"
+        how = f"{part(off)} {'less' if off < 0.0 else 'more'}"
         own, other = f"{implied:.{max(written_with + 1, shown, 0)}f}", f"{given:.6g}"
     return f"records imply {own} {unit}, you gave {other} {unit} ({how})"
 

@@ -1,8 +1,8 @@
-"""An answer: numbers with their intervals, what they are good for, and the rows of the balance that they come from.
+"""An answer: numbers with their intervals and verdicts, and the rows of the balance that they come from.
 
-Every approach to forced records or free decays ends in an `Answer`, and so does the fit of maximum likelihood; all
-answers to a set of records make a `Result`. Table, document, figures and studies read these and nothing else, so that
-none of them asks what kind of record it was.
+Every approach to a kind of records ends in an `Answer`, and so does the maximum-likelihood fit; all answers to a set of
+records make a `Result`. Tables, document, figures and studies read these alone, and do not depend on the kind of
+records.
 """
 
 from __future__ import annotations
@@ -26,25 +26,24 @@ from ..solver import NORMAL_95
 
 CONFIDENCE = 0.95
 
-# Correlation from which two coefficients share what is lost: then the limit takes twice `USELESS` at most.
-_TRADES = 0.5
-_ALL = 5.0  # times all of the work: a friction force that may take so much has no limit
+_TRADES = 0.5  # correlation from which on the errors of two coefficients make up for each other
+_ALL = 5.0  # times all of the work: a friction force that might dissipate that much has no limit
 
 REFERENCE = "maximum likelihood"
-"""Name of the answer of the fit to all records."""
+"""Name of the answer of the fit to all records, as in `Result.approaches`."""
 
 DIRECT, BALANCE = CHECKS = ("direct", "balance")
-"""Name of the energy balance of forced records, by direct integration: the check of the fit."""
+"""Names of the energy balance that checks the fit: of forced records by direct integration, and of free decays."""
 
 USABLE, DOUBTFUL, NONE = "usable", "doubtful", "none"
 
 USELESS = 0.05
-"""Share of a number by which a departure may move it before it is doubtful: what two careful laboratories differ by in
-a damping, and half of what a handbook of damping promises."""
+"""Relative change of a number from which on its cause makes it doubtful: the difference between two careful
+measurements of a damping, and half of the uncertainty that handbooks of damping state."""
 
 
 class Interval(NamedTuple):
-    """Interval that holds the true value with probability CONFIDENCE; an end that is not known is infinite."""
+    """An interval that includes the true value with a probability of 95 %; an open end is infinite."""
 
     low: float
     high: float
@@ -52,11 +51,12 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class ParameterEstimate:
-    """One identified number, SI units; NaN where it could not be identified.
+    """One identified number with its error, SI units; NaN where it could not be identified.
 
-    standard_error : by the jackknife, or of the fit.   interval : at CONFIDENCE.
-    doubts : why it is not to be trusted though it has an interval; none where nothing speaks against it.
-    bounded : whether the interval holds what these can do to the number.
+    standard_error : of the fit, or by the jackknife.
+    interval : of 95 %.
+    doubts : the findings that may change the number by more than its interval; empty for a usable one.
+    bounded : whether the size of that change is known; the interval includes it then.
     """
 
     value: float
@@ -67,7 +67,7 @@ class ParameterEstimate:
 
     @property
     def within(self) -> float:
-        """Half the width of the interval over the value; infinite where nothing bounds the error, NaN without a
+        """Half the width of the interval, relative to the value; infinite where the error has no bound, NaN without a
         value."""
         if not self.bounded:
             return math.inf
@@ -80,19 +80,20 @@ class ParameterEstimate:
         low, high = self.interval
         return replace(self, value=value, interval=Interval(low + by, high + by))
 
-    def averaged(self, value: float, error: float, ends: tuple[float, float]) -> ParameterEstimate:
-        """Return the estimate with another value and standard error, and with other ends for normal errors: either end
-        is farther by as much as its own is beyond that of a normal error."""
+    def averaged(self, normal: ParameterEstimate) -> ParameterEstimate:
+        """Return the estimate with another value and a normally distributed error; each end of the interval lies
+        farther out by the ratio by which it did for the normal error before."""
         if not (self.standard_error > 0.0 and math.isfinite(self.value)):
             return self
         reach, (low, high) = NORMAL_95 * self.standard_error, self.interval
         less, more = (self.value - low) / reach, (high - self.value) / reach
-        wider = Interval(value - less * (value - ends[0]), value + more * (ends[1] - value))
-        return replace(self, value=value, standard_error=error, interval=wider)
+        value, ends = normal.value, normal.interval
+        wider = Interval(value - less * (value - ends.low), value + more * (ends.high - value))
+        return replace(self, value=value, standard_error=normal.standard_error, interval=wider)
 
     def wider(self, size: float) -> ParameterEstimate:
-        """Return the estimate with an independent error of this standard deviation more, in quadrature at either
-        end."""
+        """Return the estimate with a further independent error of this standard deviation, added in quadrature at
+        either end of the interval."""
         if not (size > 0.0 and math.isfinite(self.value)):
             return self
         reach = NORMAL_95 * size
@@ -109,11 +110,13 @@ UNKNOWN = ParameterEstimate(math.nan, math.nan, Interval(math.nan, math.nan))
 class Verdict(NamedTuple):
     """How far a number can be trusted.
 
-    verdict : "usable", the value is right within its interval; "doubtful", something may move it by more than that and
-    by more than `USELESS`, or by nobody knows how much, or its interval is wider than it is; "none", there is no value.
-    reason : in words (`worded`), for a verdict that is not usable, and of a number that is only a limit.
-    within : half the width of the interval over the value; infinite for a limit, and where the error has no bound; NaN
-    without a value.   findings : that decide it.
+    verdict : "usable" if nothing speaks against the interval; "doubtful" if a finding may change the number by more
+    than its interval and 5 %, or by an unknown amount, or if the interval is wider than the number is large; "none" if
+    there is no value.
+    reason : in words, for a verdict other than usable, and for a number that is only a limit.
+    within : half the width of the interval, relative to the value; infinite for a limit and where the error has no
+    bound, NaN without a value.
+    findings : those that decide the verdict.
     """
 
     verdict: str
@@ -122,7 +125,7 @@ class Verdict(NamedTuple):
     findings: tuple[Finding, ...] = ()
 
     def worded(self, vocabulary: Vocabulary) -> Verdict:
-        """Return the verdict with its reason in the words of a coordinate."""
+        """Return the verdict with its reason in words, in the units of a coordinate."""
         return self._replace(
             reason="; ".join(sentence(g, vocabulary) for g in grouped(self.findings))
         )
@@ -138,10 +141,11 @@ class Verdict(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Balance:
-    """Rows of the energy balance, as an answer solved them.
+    """The rows of the energy balance of which an answer is the solution.
 
-    errors : standard deviation of the misfit Σ g_j p_j − W of each row, J, (n,).   names : of the records or decays
-    that the rows belong to.   labels : further columns of a table of the rows.
+    errors : standard deviation of the misfit Σ g_j p_j − W of each row, J, (n,).
+    names : the record or decay of each row.
+    labels : further columns of a table of the rows.
     """
 
     rows: Rows
@@ -152,18 +156,18 @@ class Balance:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Numbers that the fit of maximum likelihood, or a balance of energy, identifies.
+    """The numbers that one approach identifies, the maximum-likelihood fit or an energy balance.
 
-    name : of the way.
-    parameters : by symbol, SI units: the coefficients of the law (F_k in N, c in N s/m, …) and K_z, N/m.
+    name : of the approach.
+    parameters : the coefficients of the law (F_k in N, c in N s/m, …) and K_z, N/m, by symbol.
     covariance : of their errors, in the order of `parameters`, (n, n), in the products of their units; NaN where it is
     not known.
-    notes : what a reader must know before using the numbers, and why something is missing.
+    notes : findings on this answer: what limits its numbers, and why one is missing.
     balance : the rows that were solved; None for the fit.
-    merit : how well the rows or the records are met, and what else the fit identifies, by the keys of the document.
-    rig : the mass that moves (m, kg), its natural frequency with the contact loose (f_n, Hz) and the damping ratio of c
-    (zeta); none where no fit determines the mass.
-    judged : whether it has verdicts.
+    merit : goodness of fit and the further numbers of the fit, by the keys of the document.
+    rig : the moving mass (m, kg), its natural frequency with the contact loose (f_n, Hz) and the damping ratio of c
+    (zeta); empty where no fit determines the mass.
+    judged : whether it has verdicts; a check has none.
     """
 
     name: str
@@ -176,7 +180,7 @@ class Answer:
     judged: bool = True
 
     def as_check(self) -> Answer:
-        """Return the coefficients with their errors alone: what checks another answer is not judged by itself."""
+        """Return the coefficients with their errors alone, without verdicts, as the check of another answer."""
         own = self.coefficients
         covariance = self.covariance[: len(own), : len(own)]  # K_z last
         return replace(self, parameters=own, covariance=covariance, notes=(), judged=False)
@@ -188,7 +192,7 @@ class Answer:
 
     @property
     def K_z(self) -> ParameterEstimate:
-        """The contact stiffness, N/m; its interval comes from that of K_z^{−1/2}."""
+        """The contact stiffness, N/m, whose interval follows from that of K_z^{−1/2}."""
         return self.parameters["K_z"]
 
     @property
@@ -203,15 +207,15 @@ class Answer:
 
     @property
     def intervals(self) -> dict[str, Interval]:
-        """Each interval of 95 % by its symbol, SI units."""
+        """The 95 % interval of each value by its symbol, SI units."""
         return {symbol: p.interval for symbol, p in self.parameters.items()}
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """Whether each value is usable, doubtful or missing, by its symbol, and why; empty for a check.
+        """The verdict on each value by its symbol; empty for a check.
 
-        A coefficient that may be zero is a limit, and usable where another one that makes up for it is known closely:
-        if more friction could hide, the damping that trades with it would be uncertain.
+        A coefficient that may be zero is an upper limit. The limit is usable if a coefficient whose error is correlated
+        with its own is known within 5 %, which it could not be if more friction went unnoticed.
         """
         if not self.judged:
             return {}
@@ -231,7 +235,7 @@ class Answer:
 
     @property
     def answered(self) -> bool:
-        """Whether a coefficient has a value whose error is bounded; else the answer is none."""
+        """Whether at least one coefficient has a value with a bounded error."""
         return any(math.isfinite(self.verdicts[symbol].within) for symbol in self.coefficients)
 
     @property
@@ -241,8 +245,8 @@ class Answer:
 
     @property
     def rows(self) -> dict[str, Array]:
-        """The rows of the balance, a column each, (rows,): the integrals, the input work W, its standard error, and the
-        misfit that the values leave; empty for the fit."""
+        """The rows of the balance by column, (rows,): the integrals, the input work W, its standard error, and the
+        misfit of the identified values; empty for the fit."""
         if self.balance is None:
             return {}
         rows = self.balance.rows
@@ -263,8 +267,6 @@ def answer_of_fit(
     fit: OscillatorFit,
     coefficients: Iterable[str],
     notes: Iterable[Finding],
-    *,
-    name: str = REFERENCE,
     **merit: Any,
 ) -> Answer:
     """Return the answer of a fit of maximum likelihood.
@@ -278,6 +280,10 @@ def answer_of_fit(
         key: ParameterEstimate(value, error, Interval(*ends))
         for key, (value, error, ends) in numbers.items()
     }
+    forces = [p for key, p in parameters.items() if key.partition("[")[0] == FRICTION]
+    frictionless = forces and all(p.interval.low <= 0.0 for p in forces)
+    if frictionless and math.isinf(parameters["K_z"].interval.high):
+        parameters["K_z"] = UNKNOWN  # a contact without friction has any stiffness
     # K_z = ρ^{−2}, dK_z = −2ρ^{−3} dρ
     slopes = [1.0] * len(keys) + [-2.0 * fit.K_z**1.5]
     with np.errstate(invalid="ignore"):
@@ -288,40 +294,33 @@ def answer_of_fit(
         "natural_frequency_Hz": fit.natural_frequency_hz,
         "misfit": fit.misfit,
     }
-    return Answer(name, of_contact(parameters), covariance, tuple(notes), merit=of_fit | merit)
+    return Answer(REFERENCE, parameters, covariance, tuple(notes), merit=of_fit | merit)
 
 
 def averaged(answer: Answer, selection: Selection) -> Answer:
-    """Return the answer of the heaviest fit with the numbers of all models that were weighed, and their errors. A
-    number is the median, which a light model hardly moves, however far it is from the others.
+    """Return the answer of the heaviest fit with numbers and errors averaged over all models that were weighed. Each
+    number is the weighted median, which a model of little weight hardly changes, however far it lies from the others.
 
     selection : its numbers are coefficients, ρ of the contact and m.
     """
-    covariance = selection.covariance
-    values = np.array([selection.interval(key, 0.0)[0] for key in selection.keys])
-    errors = np.sqrt(np.diag(covariance))
-    ends = map(selection.interval, selection.keys)
-    numbers = zip(values.tolist(), errors.tolist(), ends, strict=True)
-    of = dict(zip(selection.keys, numbers, strict=True))
-    parameters = {s: p.averaged(*of[s]) if s in of else p for s, p in answer.parameters.items()}
+    of = _estimates(selection)
+    parameters = {s: p.averaged(of[s]) if s in of else p for s, p in answer.parameters.items()}
+    if "rho" in of:
+        parameters["K_z"] = _averaged_stiffness(answer.K_z, of["rho"])
+    covariance = covariance_in(
+        selection, [*parameters], of["rho"].value if "rho" in of else math.nan
+    )
     merit, rig = dict(answer.merit), answer.rig
     if "m" in of and "m_kg" in merit:
         # an m that the models leave open, even its sign, stays that of the fit
-        if of["m"][1] < of["m"][0]:
-            merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / of["m"][0])
-            merit |= {"m_kg": of["m"][0], "m_standard_error_kg": of["m"][1]}
+        m = of["m"]
+        if m.standard_error < m.value:
+            merit["natural_frequency_Hz"] *= math.sqrt(merit["m_kg"] / m.value)
+            merit |= {"m_kg": m.value, "m_standard_error_kg": m.standard_error}
         else:
             selection = replace(selection, models=(selection.best,), weights=(1.0,))
         rig = rig_of(selection)
-    if "rho" in of:
-        parameters["K_z"] = _stiffness(answer.K_z, *of["rho"])
-    slopes = np.array(
-        [1.0 if key != "rho" else -2.0 * max(of[key][0], 1e-90) ** -3 for key in selection.keys]
-    )
-    at = [selection.keys.index("rho" if s == "K_z" else s) for s in parameters]
-    with np.errstate(over="ignore", invalid="ignore"):
-        whole = (covariance * np.outer(slopes, slopes))[np.ix_(at, at)]
-    return replace(answer, parameters=parameters, covariance=whole, merit=merit, rig=rig)
+    return replace(answer, parameters=parameters, covariance=covariance, merit=merit, rig=rig)
 
 
 def rig_of(selection: Selection) -> dict[str, ParameterEstimate]:
@@ -348,49 +347,52 @@ def rig_of(selection: Selection) -> dict[str, ParameterEstimate]:
         return {}
     shares = tuple(weight / math.fsum(weights) for weight in weights)
     of = replace(selection, keys=("m", "f_n", "zeta"), models=tuple(models), weights=shares)
-    errors = zip(of.keys, np.sqrt(np.diag(of.covariance)).tolist(), strict=True)
+    return {s: p for s, p in _estimates(of).items() if s != "zeta" or "c" in selection.keys}
+
+
+def _estimates(selection: Selection) -> dict[str, ParameterEstimate]:
+    """Return the median of each number over all models, with its standard error and interval."""
+    errors = np.sqrt(np.diag(selection.covariance)).tolist()
     return {
-        s: ParameterEstimate(of.interval(s, 0.0)[0], error, Interval(*of.interval(s)))
-        for s, error in errors
-        if s != "zeta" or "c" in selection.keys
+        key: ParameterEstimate(
+            selection.interval(key, 0.0)[0], error, Interval(*selection.interval(key))
+        )
+        for key, error in zip(selection.keys, errors, strict=True)
     }
 
 
-def _stiffness(
-    K_z: ParameterEstimate, rho: float, error: float, of_rho: tuple[float, float]
-) -> ParameterEstimate:
-    """Return a contact stiffness with another ρ = K_z^{−1/2} and its standard error: the interval comes from that of ρ,
-    and is unbounded above where that reaches zero."""
-    if not (math.isfinite(K_z.value) and K_z.standard_error > 0.0 and rho > 0.0):
+def _averaged_stiffness(K_z: ParameterEstimate, rho: ParameterEstimate) -> ParameterEstimate:
+    """Return a contact stiffness with the value and error of ρ = K_z^{−1/2} over all models."""
+    if not (math.isfinite(K_z.value) and K_z.standard_error > 0.0 and rho.value > 0.0):
         return K_z
-    own = K_z.value**-0.5
-    own_error = 0.5 * K_z.standard_error * own**3
+    value = K_z.value**-0.5
     low, high = (end**-0.5 if end > 0.0 else math.inf for end in K_z.interval[::-1])
-    estimate = ParameterEstimate(own, own_error, Interval(low, high))
-    ends = estimate.averaged(rho, error, of_rho).interval
-    upper = ends.low**-2 if ends.low > 0.0 else math.inf
+    error = 0.5 * K_z.standard_error * value**3
+    own = replace(K_z, value=value, standard_error=error, interval=Interval(low, high))
+    return stiffness_of(own.averaged(rho))
+
+
+def stiffness_of(rho: ParameterEstimate) -> ParameterEstimate:
+    """Return K_z = ρ^{−2}, N/m; its interval comes from that of ρ, and is unbounded above where that reaches zero."""
+    low, high = rho.interval
     return replace(
-        K_z,
-        value=rho**-2,
-        standard_error=2.0 * error * rho**-3,
-        interval=Interval(ends.high**-2, upper),
+        rho,
+        value=rho.value**-2,
+        standard_error=2.0 * rho.standard_error * rho.value**-3,
+        interval=Interval(high**-2, low**-2 if low > 0.0 else math.inf),
     )
 
 
-def of_contact(parameters: Mapping[str, ParameterEstimate]) -> dict[str, ParameterEstimate]:
-    """Return the parameters without a K_z that has a lower limit only where there may be no friction: a contact without
-    has any stiffness."""
-    forces = [p for key, p in parameters.items() if key.partition("[")[0] == FRICTION]
-    none = forces and all(p.interval.low <= 0.0 for p in forces)
-    unbounded = math.isinf(parameters["K_z"].interval.high)
-    return {**parameters, **({"K_z": UNKNOWN} if none and unbounded else {})}
-
-
-_NONE = np.empty((0, 0))
+def covariance_in(selection: Selection, symbols: Sequence[str], rho: float) -> Array:
+    """Return the covariance of the errors of numbers by symbol, over all models; K_z = ρ^{−2} to first order."""
+    at = [selection.keys.index("rho" if s == "K_z" else s) for s in symbols]
+    slopes = [-2.0 * max(rho, 1e-90) ** -3 if s == "K_z" else 1.0 for s in symbols]
+    with np.errstate(over="ignore", invalid="ignore"):
+        return np.asarray(selection.covariance[np.ix_(at, at)] * np.outer(slopes, slopes))
 
 
 def covariance_of(
-    parameters: Mapping[str, ParameterEstimate], symbols: Sequence[str] = (), known: Array = _NONE
+    parameters: Mapping[str, ParameterEstimate], symbols: Sequence[str], known: Array
 ) -> Array:
     """Return the covariance of the errors of all parameters from that of some, by symbol; NaN where it is not known."""
     matrix = np.full((len(parameters), len(parameters)), np.nan)
@@ -401,7 +403,7 @@ def covariance_of(
 
 
 def judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...] = ()) -> Verdict:
-    """Return the verdict on a number by itself; notes say why there is none. The only place that decides it."""
+    """Return the verdict on a number by itself.   notes : why it is missing, for the verdict "none"."""
     if math.isnan(parameter.value):
         return Verdict(NONE, findings=notes or (Finding("undetermined", {"symbol": symbol}),))
     low, high = parameter.interval
@@ -415,9 +417,9 @@ def judged(symbol: str, parameter: ParameterEstimate, notes: tuple[Finding, ...]
 
 
 def doubted(answers: Mapping[str, Answer], warnings: Sequence[Finding]) -> dict[str, Answer]:
-    """Return the answers with their intervals widened by what their notes and the warnings can do to each number, and
-    with a doubt where that is more than the interval and than `USELESS`, or is not known. What may be zero and
-    has no upper limit, or one of friction beyond all of the work, is not determined."""
+    """Return the answers with the possible effects of their notes and of the warnings: each interval is widened by
+    them, and a number is doubted if they exceed both its interval and `USELESS`, or are unknown. A number that may be
+    zero is undetermined if its upper limit is infinite or, for friction, beyond all of the work."""
     most = {
         key: _ALL * float(np.max(rows.W[a > 0.0] / a[a > 0.0], initial=0.0)) or math.inf
         for rows in (one.balance.rows for one in answers.values() if one.balance is not None)
@@ -431,7 +433,8 @@ def doubted(answers: Mapping[str, Answer], warnings: Sequence[Finding]) -> dict[
 
 
 def _doubted(answer: Answer, findings: Iterable[Finding], most: Mapping[str, float]) -> Answer:
-    """Return the answer with what findings can do to its numbers.   most : that a friction force can be."""
+    """Return the answer with the possible effects of findings on its numbers.   most : the largest friction force that
+    counts as a limit."""
     kinds = grouped([one for one in findings if one.effect])
     parameters = {s: _shifted(s, p, kinds) for s, p in answer.parameters.items()}
     # units and gains move no frequency
@@ -453,13 +456,13 @@ def _doubted(answer: Answer, findings: Iterable[Finding], most: Mapping[str, flo
 def _shifted(
     symbol: str, p: ParameterEstimate, kinds: Sequence[Sequence[Finding]]
 ) -> ParameterEstimate:
-    """Return a number with what findings can do to it: the largest shift of each kind, all kinds in quadrature."""
+    """Return a number with the possible effect of findings: the largest shift of each kind, all kinds in quadrature."""
     shifts = [max(one.shift(symbol) for one in of) for of in kinds]
     total = math.hypot(*shifts)
-    bounded = total < 1.0  # what may change a number by all of it bounds nothing
+    bounded = total < 1.0  # a shift of 100 % or more bounds nothing
     doubts = p.doubts
     if not (bounded and total <= max(USELESS, p.within)):
-        # those that have no bound, or the one that does most
+        # those without a bound, or the one with the largest effect
         worst = max(shifts)
         doubts += tuple(
             one for of, shift in zip(kinds, shifts, strict=True) if shift == worst for one in of

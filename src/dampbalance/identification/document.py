@@ -1,20 +1,32 @@
-"""A result as plain data: the document that `identification.json` holds, and the rows of its table."""
+"""A result as plain data, which `identification.json` holds, as rows of its table, and as the files of a folder."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__
+from ..arguments import flag, path
 from ..findings.words import sentence, unit_of
 from ..model import named_with_unit
-from ..project.files import plain
+from ..project.files import plain, write_json, write_rows, write_text
 from ..records.coordinate import TRANSLATION, Coordinate
 from .answer import CONFIDENCE, REFERENCE, Answer, ParameterEstimate
 from .law_comparison import LawComparison, LawWeight
+from .outputs import (
+    ALL_PICTURES,
+    ESTIMATES,
+    REPORT,
+    SUMMARY,
+    TABLES,
+    pictures_of,
+    require_room,
+    written_together,
+)
 from .sensitivities import FAULTS, told
 
 if TYPE_CHECKING:
@@ -58,13 +70,14 @@ def document(found: Result[Any]) -> dict[str, Any]:
             one.document() | {"sentence": sentence(one, coordinate)} for one in found.findings
         ],
     }
-    keyed: dict[str, Any] = coordinate.document(plain(everything), _names(found))
+    names = {*found.sources, *(record.label for record in found.records)}  # keys, too
+    keyed: dict[str, Any] = coordinate.document(plain(everything), names)
     return keyed
 
 
 def table(found: Result[Any]) -> list[dict[str, Any]]:
-    """Return a row for each answer, the one to use first: value, standard errors and interval of each parameter, in
-    columns named with units, the verdict on each, and the findings on it; None where an answer has no such number."""
+    """Return a row for each answer, the one to use first: value, standard error, interval and verdict of each parameter
+    in columns named with units, and the findings on it; None if an answer has no such number."""
     rows = []
     for name, answer in found.approaches.items():
         row = {"approach": name} | _columns(answer.parameters, table=True)
@@ -78,9 +91,23 @@ def table(found: Result[Any]) -> list[dict[str, Any]]:
     return [{found.coordinate.key(name): row.get(name) for name in columns} for row in rows]
 
 
-def _names(found: Result[Any]) -> set[str]:
-    """Return names of records, which are keys, too."""
-    return {*found.sources, *(record.label for record in found.records)}
+def save(
+    found: Result[Any], folder: str | Path, *, figures: bool = True, overwrite: bool = False
+) -> list[Path]:
+    """Write a result to a folder: see `Result.save`."""
+    folder = path("folder", folder, "the path of a folder")
+    remedy = "" if flag("overwrite", overwrite) else "overwrite=True"
+    require_room(folder, (*TABLES, *ALL_PICTURES), remedy)
+    pictures = (*pictures_of(found.figures), REPORT) if flag("figures", figures) else ()
+    with written_together(folder, (*pictures, *reversed(TABLES))) as new:
+        if figures:
+            from .report import report  # slow to import
+
+            write_text(new / REPORT, report(found, new))
+        write_rows(new / ESTIMATES, table(found))
+        write_text(new / SUMMARY, found.text())
+        write_json(new / TABLES[0], found.document())
+    return [folder / name for name in (*TABLES, *pictures)]
 
 
 def _entries(answer: Answer, coordinate: Coordinate) -> dict[str, Any]:
@@ -115,7 +142,7 @@ def _columns(of: Mapping[str, ParameterEstimate], *, table: bool = False) -> dic
 
 
 def _column(symbol: str, what: str = "") -> str:
-    """Return F_k_standard_error_N: what a number says of a parameter, and its unit."""
+    """Return the name of a column with its unit, F_k_standard_error_N."""
     return named_with_unit(f"{symbol}{what}", unit_of(symbol))
 
 

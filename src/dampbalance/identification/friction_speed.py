@@ -1,7 +1,7 @@
-"""Friction at steady speeds: from tables of mean forces to F_k and c.
+"""Friction at steady speeds: F_k and c from tables of mean forces.
 
-Speeds are steady: no spring is deflected any further and no mass accelerated, so that neither K_z nor a mass shows, and
-no stiffness is needed.
+At a steady speed no spring is deflected further and no mass is accelerated. K_z and the mass therefore cannot be
+identified, and no stiffness is needed.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ _PARTS = 6  # of the range of speeds, over whose averages a residual shows
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SpeedBasis:
-    """What the answer to steady speeds rests on.
+    """The fits behind the answer to steady speeds.
 
-    laws : fits to the rows of all tables, as they weigh.   rows : number of rows of each table.
+    laws : the laws fitted to the rows of all tables, with their weights.   rows : number of rows of each table.
     """
 
     laws: Selection
@@ -65,12 +65,11 @@ class SpeedBasis:
         }
 
     def levels(self, found: Result[Any]) -> list[Level]:
-        """Return nothing: no cycles are made."""
+        """Return no levels, as the motion has no cycles."""
         return []
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
-        """Return the numbers with faults of gain: both are in proportion to the force, and c inversely so to the
-        speed."""
+        """Return the numbers with faults of gain: both are proportional to the force, and c inversely to the speed."""
         scale = {FRICTION: 1.0 + fault.drive, "c": (1.0 + fault.drive) / (1.0 + fault.response)}
         known = found.estimates[name].parameters.items()
         return {s: p.value * scale[s] for s, p in known if p is not UNKNOWN}
@@ -92,24 +91,24 @@ def identify_friction_speed(
 ) -> Result[SpeedBasis]:
     """Identify F_k and c from a table of mean forces, or torques, at steady speeds in both directions.
 
-    Use it for a robot joint, a motor, a bearing or a tribometer whose friction was measured speed by speed; K_z does
-    not show there. The law is
+    Use it for a robot joint, a motor, a bearing or a tribometer whose friction was measured speed by speed. K_z cannot
+    be identified from such a table. The law is
 
         T = F_k sgn v + c v + T_0
 
-    T_0 is an offset of the sensor, or gravity; friction that differs between the directions by 2T_0 looks alike. Laws
-    with a friction that falls with the speed, F_S e^{−|v/v_S|^δ} (Stribeck; δ = 1 or 2), or is rounded at rest,
-    F_k tanh(v/v_0), and with a quadratic damper are weighed by their evidence: F_k and c are means over all, and the
-    intervals hold what the data do not tell apart. Errors follow from the scatter about the best law, or from a column
-    of standard errors if they cover it.
+    T_0 is an offset of the sensor, or gravity; a friction that differs between the directions by 2T_0 has the same
+    effect. Laws with a friction that falls with the speed, F_S e^{−|v/v_S|^δ} (Stribeck; δ = 1 or 2), or that is
+    rounded at rest, F_k tanh(v/v_0), and with a quadratic damper are weighed by their evidence. F_k and c are averages
+    over all of them, and the intervals include the differences that the data do not resolve. Errors follow from the
+    scatter about the best law, or from a column of standard errors if every row has one.
 
-    records : as `read_records` returns or takes them, a row for each speed, with a velocity and a force or torque, one
-    table or several of one contact. Reduce samples in time to a mean at each steady speed beforehand.
-    stiffness : leave it out: there is no oscillator.
-    mapping : what the tables do not say of their columns, where they are read here.
+    records : as `read_records` takes or returns them: one table or several of one contact, with a row for each speed
+    and columns of velocity and of force or torque. Reduce samples in time to a mean at each steady speed beforehand.
+    stiffness : leave it out, as there is no oscillator.
+    mapping : the meaning of columns whose names do not give it, see `read_records`.
     The options of the signature, which `help` describes.
 
-    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a table
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: for a table
     without velocity or force, or with fewer rows than numbers to identify.
 
     >>> from dampbalance import identify_friction_speed
@@ -124,7 +123,7 @@ def identify_friction_speed(
     laws = fit_speeds(data)
     fit = laws.fit
     power = (fit.left + data.F - fit.value("T_0")) @ data.v
-    # power is given, where the offset cannot be separated by the damping, too
+    # friction absorbs power; where the offset cannot be separated, the damping shows the sign
     if power < 0.0 and (data.both_ways or fit.value("c") < 0.0):
         odd.append(Finding("flipped", {"records": listed([*rows])}))
         laws = fit_speeds(data._replace(F=-data.F))
@@ -149,8 +148,8 @@ def identify_friction_speed(
 
 
 def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], list[Finding]]:
-    """Return the rows of all tables, the number of each, and findings on them: rows at rest are left out, as there the
-    friction has no direction.
+    """Return the rows of all tables, the number of rows of each, and findings on them. Rows at rest are left out, as
+    friction has no direction there.
 
     Raises ValueError for a table without velocity or force, with fewer rows than numbers, or at rest.
     """
@@ -184,14 +183,8 @@ def _data(records: Sequence[Record]) -> tuple[SteadySpeeds, dict[str, int], list
     return SteadySpeeds(v, F, error if stated else np.ones(v.size), stated), rows, odd
 
 
-def weights_of(laws: Selection) -> dict[str, float]:
-    """Return the weight of each law, by its name."""
-    weights = {name: laws.weight(symbol) for symbol, name in _LAWS.items()}
-    return weights | {"Stribeck": laws.weight("F_S") + laws.weight("exponential")}
-
-
 def _answer(laws: Selection) -> Answer:
-    """Return the answer of the laws as they weigh."""
+    """Return the answer averaged over the laws by their weights."""
     fit: SpeedFit = laws.fit
     notes, parameters = list[Finding](), {}
     for symbol in (FRICTION, "c"):
@@ -245,7 +238,7 @@ def _departure(fit: SpeedFit) -> Iterator[Finding]:
 
 
 def _rig(laws: Selection) -> Iterator[Finding]:
-    """Yield findings on the other numbers of the law, and on what steady speeds do not show."""
+    """Yield findings on the other numbers of the law, and on those that steady speeds do not determine."""
     fit = laws.fit
     of = {name: (fit.value(name), fit.error(name)) for name in _UNITS}
     if fit.has("T_0"):
@@ -253,7 +246,9 @@ def _rig(laws: Selection) -> Iterator[Finding]:
     if name := laws.best.name:
         yield Finding(_SHOWN[name], {symbol: of[symbol] for symbol in DEPARTURES[name]})
     if len(laws.models) > 1:
-        yield Finding("laws of speed", weights_of(laws))
+        weights = {name: laws.weight(symbol) for symbol, name in _LAWS.items()}
+        weights["Stribeck"] = laws.weight("F_S") + laws.weight("exponential")
+        yield Finding("laws of speed", weights)
     yield Finding("no K_z")
 
 

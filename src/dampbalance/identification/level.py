@@ -1,4 +1,4 @@
-"""The damping of one cycle of the motion in the measures that engineers compare: loss factor, equivalent damping."""
+"""The damping of one cycle in the measures by which engineers compare it: loss factor, equivalent damping."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 
 
 class Column(NamedTuple):
-    """A column of the table of what is measured of each level.
+    """A column of the table of measured quantities of each level.
 
-    symbol, unit : in its head.   error : the key of the standard error; none of a number without one.
+    symbol, unit : of its head.   error : key of the standard error; empty for a number without one.
     """
 
     symbol: str
@@ -19,15 +19,18 @@ class Column(NamedTuple):
 
 
 class Level(NamedTuple):
-    """A cycle of the motion, measured, and what a test engineer compares its damping by.
+    """The measured amplitude and energy loss of a cycle, and the damping that follows from them.
 
-    Loss factor, quality factor and equivalent viscous damping are those of a level: friction takes less of a large
-    motion than of a small one. Use them to compare with other rigs, or in a linear model at about that amplitude; F_k
-    and c hold at all of them.
+    Loss factor, quality factor and equivalent viscous damping depend on the amplitude, as friction dissipates a smaller
+    share of the energy of a large motion. Use them to compare with other rigs, or in a linear model near that
+    amplitude; F_k and c are valid at all amplitudes.
 
-    name : of the record, or of the decay and the time.   X : amplitude, m.   omega : ω, rad/s; NaN without times.   W :
-    energy that the cycle loses, J.   friction : the part of it that friction takes, J.   more : what else is measured,
-    or otherwise, by the keys of the document.
+    name : of the record, or of the decay and the time.
+    X : amplitude, m.
+    omega : ω, rad/s; NaN without times.
+    W : energy lost in the cycle, J.
+    friction : the part of it that friction dissipates, J.
+    more : further measured quantities, by the keys of the document; they replace those computed here.
     """
 
     name: str
@@ -39,23 +42,24 @@ class Level(NamedTuple):
 
     @property
     def equivalent_damping(self) -> float:
-        """The viscous damper that takes as much energy of a harmonic motion, c_eq = W/(πωX²), N s/m.
+        """The viscous damping that dissipates the same energy in a harmonic motion, c_eq = W/(πωX²), N s/m.
 
         Jacobsen, Trans. ASME 52 (1930): friction F_k alone, W = 4 F_k X, has c_eq = 4F_k/(πωX).
         """
         return self.W / (math.pi * self.omega * self.X**2)
 
     def loss_factor(self, k: float) -> float:
-        """Return the energy lost in a cycle over 2π times the largest energy in the spring, η = W/(πkX²) = c_eq ω/k; Q
-        = 1/η.
+        """Return the loss factor, the energy lost in a cycle over 2π times the peak energy of the spring.
 
-        Nashif, Jones & Henderson, Vibration Damping (1985), Sec. 3. A viscous damper at the natural frequency has
-        η = 2ζ.   k : of the spring, N/m; what the contact stores is not counted.
+        η = W/(πkX²) = c_eq ω/k = 1/Q; Nashif, Jones & Henderson, Vibration Damping (1985), Sec. 3. A viscous damper at
+        the natural frequency has η = 2ζ.
+
+        k : stiffness of the spring, N/m; the energy stored in the contact is not counted.
         """
         return self.W / (math.pi * k * self.X**2)
 
     def document(self, k: float, m: float) -> dict[str, Any]:
-        """Return all measures for the document.   m : kg; NaN where it is not known, and the damping ratio with it."""
+        """Return all quantities by the keys of the document.   m : kg; if it is NaN, so is the damping ratio."""
         eta = self.loss_factor(k)
         return {
             "level": self.name,
@@ -72,7 +76,7 @@ class Level(NamedTuple):
 
 
 def damping_ratio(c: float, k: float, m: float) -> float:
-    """Return the fraction of critical damping, ζ = c/(2√(km)): of the oscillator with its contact loose.
+    """Return the fraction of critical damping, ζ = c/(2√(km)), of the oscillator with the contact loose.
 
     Inman, Engineering Vibration, Sec. 1.3.   c : N s/m.   k : N/m.   m : kg.
 

@@ -15,14 +15,17 @@ from ..records.record import Record
 from ..signals.loops import Loop
 from .loading import correction_of
 
-_CUT = 1e-3  # of a record: what a delay cuts off is not worth a sentence
+_CUT = 1e-3  # of a record: less time that is left out, as by a delay, is not reported
 
 
 def read_loops(
     records: Sequence[Record], series: float | None, skipped: int
 ) -> tuple[tuple[Loop, ...], tuple[float, float] | None, list[Finding]]:
-    """Return the loops of records, the mean normal force with its standard uncertainty, N, where all of them have one,
-    and what is odd about the records.   series : stiffness of the fixture, N/m.   skipped : cycles left out of each."""
+    """Return the loops of records, the mean normal force with its standard uncertainty, N, if all records have one, and
+    findings on the records.
+
+    series : stiffness of the fixture, N/m.   skipped : cycles left out at the start of each.
+    """
     loops, odd = list[Loop](), list[Finding]()
     for record in records:
         loop, cut = _loop(record, series, skipped)
@@ -47,8 +50,10 @@ def read_loops(
 
 
 def _loop(record: Record, series: float | None, skipped: int) -> tuple[Loop, list[Finding]]:
-    """Return the loop of a record, in the time in which all its channels are recorded, and a finding on time that is
-    cut off.   series : stiffness of the fixture, N/m.   skipped : cycles left out at its start."""
+    """Return the loop of a record for the time in which all its channels are recorded, and a finding on other times.
+
+    series : stiffness of the fixture, N/m.   skipped : cycles left out at its start.
+    """
     from scipy.integrate import cumulative_trapezoid  # slow to import
     from scipy.signal import detrend  # slow to import
 

@@ -1,5 +1,5 @@
-"""The contact from measured loops of force against displacement: what is measured of each cycle and level, answer,
-and rows of the balance.
+"""The contact from measured loops of force against displacement: quantities of each cycle and level, the answer, and
+the rows of the balance.
 
 A cycle is a row of the balance, ∮ f dx = a F_k + b c with a = 4(X − Z_m) and b = ∮ ẋ² dt; the shape of the loop gives
 K_z. There is no oscillator: neither mass nor the stiffness of a spring is needed.
@@ -36,7 +36,9 @@ from .answer import (
     Balance,
     Interval,
     ParameterEstimate,
+    covariance_in,
     covariance_of,
+    stiffness_of,
 )
 from .level import Column, Level
 from .loop_records import read_loops
@@ -63,10 +65,11 @@ _COMPARED = {"one slider": "one slider predicts", "gradual": "many sliders predi
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopBasis:
-    """What the answers to measured loops rest on.
+    """The data and fits behind the answers to measured loops.
 
-    loops : of all records.   fits : of each contact, by name, the one to use first.   normal_force : N, with its
-    standard uncertainty; None where it was not given.
+    loops : of all records.
+    fits : of each contact, by name, the one to use first.
+    normal_force : N, with its standard uncertainty; None if it was not given.
     """
 
     loops: tuple[Loop, ...]
@@ -88,7 +91,7 @@ class LoopBasis:
     }
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return what the loops show beyond the answers: springs, gap, sliders, μ, history, and the records."""
+        """Return the entries of the document for measured loops: sliders, μ, the history of the cycles, the records."""
         mu, interval = friction_coefficient(found)
         contacts = {}
         for name, fit in self.fits.items():
@@ -126,8 +129,8 @@ class LoopBasis:
         return levels
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
-        """Return the numbers of an answer with a fault: all are in proportion to the force, c and K_z inversely so to
-        the displacement; one that is late is fitted again."""
+        """Return the numbers of an answer with a fault: all are proportional to the force, c and K_z inversely to the
+        displacement; a delay is fitted again."""
         if not (fit := self.fits.get(name)):
             return {}
         if fault.late and all(loop.timed for loop in self.loops):
@@ -150,9 +153,10 @@ class LoopBasis:
 
 
 def loop_contact(found: Result[LoopBasis]) -> dict[str, float]:
-    """Return F_k, K_z and c of measured loops, as `Oscillator` takes them: the response of an oscillator of mass m on a
-    spring k with this contact is `steady_orbit(Oscillator(m=m, k=k, **loop_contact(found)), motion)`. A c that is not
-    known, or may not be positive, is zero.
+    """Return F_k, K_z and c of measured loops as keyword arguments of `Oscillator`, to predict a response.
+
+    With a mass m on a spring k it is `steady_orbit(Oscillator(m=m, k=k, **loop_contact(found)), motion)`. An unknown or
+    negative c becomes zero. If the contact yields gradually, use `loop_sliders`.
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops, loop_contact
@@ -169,8 +173,9 @@ def loop_contact(found: Result[LoopBasis]) -> dict[str, float]:
 
 
 def loop_sliders(found: Result[LoopBasis]) -> dict[str, Array]:
-    """Return the contact of measured loops as `sliders_orbit` takes it where it yields gradually or its knee is
-    rounded, r (m) and κ (N/m):
+    """Return the sliders of measured loops, r (m) and κ (N/m), as keyword arguments of `sliders_orbit`.
+
+    Use it to predict a response if the contact yields gradually or its knee is rounded:
 
         sliders_orbit(Oscillator(m=m, k=k, K_z=1.0, F_k=0.0, c=loop_contact(found)["c"]), motion, **loop_sliders(found))
 
@@ -192,7 +197,7 @@ def loop_sliders(found: Result[LoopBasis]) -> dict[str, Array]:
 
 
 def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
-    """Return μ = F_k/N of measured loops and its interval of 95 %; NaN without a normal force.
+    """Return the friction coefficient μ = F_k/N of measured loops and its 95 % interval; NaN without a normal force.
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops, friction_coefficient
@@ -213,13 +218,15 @@ def friction_coefficient(found: Result[LoopBasis]) -> tuple[float, Interval]:
 
 
 def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
-    """Return a line for each cycle of each record: amplitude, energy lost, friction force that makes up for it,
-    stiffness of the contact, mean force, the viscous damper and the spring that would do the same, the `measures`, and
-    the way travelled so far. Use it to see running-in, wear and heating.
+    """Return a table with a line for each cycle of measured loops; use it to see running-in, wear and heating.
 
-    F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact of all cycles. K_z comes from the residual
-    in the cycle: one step of Gauss and Newton in size and width of the contact. Both are NaN for the first cycle of a
-    record, before which the state of the contact is not known, and without a fit; the damper is NaN without times.
+    Columns are amplitude, energy lost, the friction force and contact stiffness of that cycle, mean force, equivalent
+    viscous damping and stiffness, secant stiffness, damping ratio and the like, and the distance travelled so far.
+
+    F_k of a cycle is (W − c ∮ ẋ² dt)/a, with c and the shape of the contact from all cycles. K_z follows from the
+    residual in the cycle by one Gauss–Newton step in size and width of the contact. Both are NaN without a fit and for
+    the first cycle of a record, as the state of the contact before it is unknown; the equivalent damping is NaN without
+    times.
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops, loop_history
@@ -265,7 +272,7 @@ def loop_history(found: Result[LoopBasis]) -> pd.DataFrame:
 def _stiffer(fit: LoopFit, loop: Loop, number: int) -> Array:
     """Return K_z of each cycle over that of all.   number : of the loop."""
     force = force_of(fit.contact, loop)
-    # all of the force grows with K_z, once the change of F_k at the same stiffness is apart
+    # the force is proportional to K_z if the change of F_k at constant stiffness has a column of its own
     A = np.array([force, slope_of(fit.contact, loop), np.ones(force.size)])[:, loop.own].T
     left = fit.residual(loop, number)[loop.own]
     return np.array([1.0 + np.linalg.lstsq(A[own], left[own])[0][0] for own in loop.slices])
@@ -283,20 +290,22 @@ def identify_loops(
     backlash: bool = True,
     **unknown: Never,
 ) -> Result[LoopBasis]:
-    """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement: a record of five
-    cycles or more of any periodic motion, or several at other amplitudes and speeds. Of fewer cycles, and whether a
-    contact fits or not, `levels` has loss, secant stiffness, damping and backbone of each amplitude.
+    """Identify F_k, K_z and c of a contact on a test machine from loops of force against displacement.
 
-    records : as `read_records` returns or takes them, with a force and the displacement or velocity across the contact;
+    Use it for periodic motions of any shape: one record of five cycles or more, or several with different amplitudes
+    and speeds. With fewer cycles, or if no contact fits, `levels` still has loss, secant stiffness, damping and
+    backbone at each amplitude.
+
+    records : as `read_records` takes or returns them, with a force and the displacement or velocity across the contact;
     without times, c is not determined.
-    stiffness : leave it out: loops have no oscillator, and a spring in parallel to the contact is identified.
-    mapping : what the records do not say of their channels, where they are read here.
+    stiffness : leave it out, as loops have no oscillator; a spring in parallel to the contact is identified.
+    mapping : the meaning of channels whose names do not give it, see `read_records`.
     The options of the signature, which `help` describes.
 
-    Records with a channel normal_force each share one μ, and F_k is that at their mean normal force.
+    If every record has a channel normal_force, the records share one μ, and F_k belongs to their mean normal force.
 
-    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: a record
-    without force or displacement, or without a complete cycle, a stiffness or a mass.
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: for a
+    record without force or displacement, or without a complete cycle, and for a stiffness or a mass.
 
     >>> import numpy as np
     >>> from dampbalance import identify_loops
@@ -313,6 +322,8 @@ def identify_loops(
     normal = None if N is None else (N, of["normal_force_standard_error_N"])
     loops, measured, odd = read_loops(read, of["fixture_stiffness_N_per_m"], of["skip_cycles"])
     normal = normal or measured
+    if flipped := [loop.name for loop in loops if loop.flipped]:
+        odd.append(Finding("flipped", {"records": listed(flipped)}))
     weighed = _weighed(loops, backlash)
     fits = {name: one.fit for name, one in weighed.items()}
     answers = {name: _answer(name, one, loops) for name, one in weighed.items()}
@@ -322,7 +333,7 @@ def identify_loops(
         k=math.nan,
         sources=tuple(record.name for record in read),
         estimates=answers or {"one slider": _unfitted(loops)},
-        odd=(*odd, *_warned(loops)),
+        odd=tuple(odd),
         head=(
             f"{sum(loop.cycles for loop in loops)} cycles of {len(loops)} measured "
             f"loop{'s' * (len(loops) > 1)}; the answer first, with 95 % intervals"
@@ -342,10 +353,10 @@ def identify_loops(
 
 
 def _weighed(loops: Sequence[Loop], backlash: bool) -> dict[str, Selection]:
-    """Return all contacts with their weights by the name of the heaviest, and after it the best of the other kind, one
-    slider or many; none to too few cycles.
+    """Return the weighed contacts under the name of the heaviest, then the best fit of the other kind, one slider or
+    many; nothing for too few cycles.
 
-    Of long records cycles in runs are fitted, of all records together.
+    Of long records, runs of cycles are fitted.
     """
     settled = [loop.settled() for loop in loops]
     cycles, samples = ([getattr(loop, of) for loop in settled] for of in ("cycles", "own"))
@@ -361,31 +372,31 @@ def _weighed(loops: Sequence[Loop], backlash: bool) -> dict[str, Selection]:
 
 
 def _unfitted(loops: Sequence[Loop]) -> Answer:
-    """Return an answer without numbers, as too few cycles are recorded; its rows are those of a rigid contact."""
+    """Return an answer without numbers, for too few cycles; its rows are those of a rigid contact."""
     parameters = dict.fromkeys((FRICTION, "c", "K_z"), UNKNOWN)
     X, W = (np.concatenate([getattr(of, n) for of in loops]) for n in ("amplitudes", "lost"))
     numbers = {"cycles": W.size, "many": W.size > 1, "least": FEWEST_CYCLES + len(loops)}
     note = Finding("few loops", numbers)
     names = tuple(loop.name for loop in loops for _ in range(loop.cycles))
     balance = Balance(Rows({FRICTION: 4.0 * X}, W), np.full(W.size, math.nan), names)
-    return Answer("one slider", parameters, covariance_of(parameters), (note,), balance)
+    return Answer("one slider", parameters, np.full((3, 3), math.nan), (note,), balance)
 
 
 def row_of(loop: Loop, fit: LoopFit) -> tuple[Array, Array, Array]:
-    """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; W is less what a
-    quadratic damper takes."""
+    """Return a, b and W of the balance of each cycle, m, m²/s and J, with the contact of a fit; the loss in a quadratic
+    damper is subtracted from W."""
     quadratic = fit.parameters.by_key.get("c_2", 0.0) * loop.by_cycle(np.abs(loop.v) * loop.v)
     a = loop.by_cycle(force_of(fit.contact, loop)) / (fit.contact.F_k or 1.0)
     return a, loop.by_cycle(loop.v), loop.lost - quadratic
 
 
 def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
-    """Return the answer of the contacts that were weighed: its numbers with intervals, and the rows of its cycles."""
+    """Return the answer of the weighed contacts: numbers with intervals, and a row of the balance for each cycle."""
     from scipy.stats import t as student  # slow to import
 
     fit: LoopFit = weighed.fit
     notes, design = list[Finding](), fit.design
-    # half as many sliders, and none of the softest or of the stiffest, show what their choice does to the numbers
+    # how far the choice of sliders matters: half as many, and without the softest or the stiffest
     fewer = (
         (SLIDERS // 2, WITHIN),
         (SLIDERS, (WITHIN[0], _SOFTEST)),
@@ -403,21 +414,18 @@ def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
         if not fit.slips or not (error > 0.0 and (value > 0.0 or symbol == "c")):
             return UNKNOWN
         off = max((abs(other.value(key) - value) for other in others), default=0.0)
-        # other choices bound it, as a rectangular distribution (GUM 4.3.7); further records have other frictions
+        # the other choices bound it, as a rectangular distribution (GUM 4.3.7)
         reach = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom)) * error
         known = ParameterEstimate(value, error, Interval(value - reach, value + reach))
         known = known.wider(off / math.sqrt(3.0))
-        if np.ptp(loads) and symbol == FRICTION:
+        if np.ptp(loads) and symbol == FRICTION:  # which would differ in a further record, too
             of_mean = float(np.std(loads, ddof=1)) / math.sqrt(len(loops))
             t = float(student.ppf(0.5 + 0.5 * CONFIDENCE, len(loops) - 1))
             known = known.wider(value * of_mean * t / NORMAL_95)
-        low, high = known.interval
         if symbol == "c":
-            return known if high > 0.0 else UNKNOWN
-        if symbol == "K_z":  # of K_z^{−1/2}, which rather has a normal distribution
-            ends = Interval(high**-2, low**-2 if low > 0.0 else math.inf)
-            return ParameterEstimate(value**-2, 2.0 * known.standard_error * value**-3, ends)
-        return known
+            return known if known.interval.high > 0.0 else UNKNOWN
+        # K_z^{−1/2} rather has a normal distribution
+        return stiffness_of(known) if symbol == "K_z" else known
 
     parameters = {s: estimate(s) for s in (FRICTION, "c", "K_z")}
     c, c_error = map(float, numbers["c"])
@@ -451,22 +459,14 @@ def _answer(name: str, weighed: Selection, loops: Sequence[Loop]) -> Answer:
     if "g" in fit.parameters:
         merit |= {"gap_m": 2.0 * fit.value("g"), "gap_standard_error_m": 2.0 * fit.error("g")}
     symbols = [s for s, p in parameters.items() if p is not UNKNOWN]
-    at = [weighed.keys.index("rho" if s == "K_z" else s) for s in symbols]
-    slopes = [-2.0 * numbers["rho"][0] ** -3 if s == "K_z" else 1.0 for s in symbols]
-    known = weighed.covariance[np.ix_(at, at)] * np.outer(slopes, slopes)
+    known = covariance_in(weighed, symbols, numbers["rho"][0])
     covariance = covariance_of(parameters, symbols, known)
     return Answer(name, parameters, covariance, tuple(notes), balance, merit=merit)
 
 
-def _warned(loops: Sequence[Loop]) -> Iterator[Finding]:
-    """Yield a finding on the sign of the force."""
-    if flipped := [loop.name for loop in loops if loop.flipped]:
-        yield Finding("flipped", {"records": listed(flipped)})
-
-
 def _other_shape(fit: LoopFit) -> Iterator[Finding]:
-    """Yield a finding where the loops are none of the contact: by the residual, of F_k or else of the force, and by the
-    loss."""
+    """Yield a finding where the contact does not describe the loops: by the residual relative to F_k, or to the force
+    if nothing slips, and by the loss."""
     stuck = not fit.slips
     share = fit.beyond_noise / (float(np.std(fit.design.f)) if stuck else fit.value(FRICTION))
     loss = 0.0 if stuck else fit.wrong_loss

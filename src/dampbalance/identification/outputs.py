@@ -14,18 +14,18 @@ from tempfile import TemporaryDirectory
 from ..project.files import UNFINISHED
 
 TABLES = ("identification.json", "identification.csv", "summary.txt")
-"""The document with everything; the estimates; the table of the screen."""
+"""The document with everything, the table of all numbers, and the text with all sentences."""
 
 REPORT = "report.html"
-"""All of it on a page, for a reader."""
+"""The report, one page for readers."""
 
 OVERVIEW = ESTIMATES, SUMMARY = TABLES[1:]
-"""Names of the files of all sets, and of their like of each set."""
+"""Names of the files for each set of records, and of those for all sets together."""
 
 PICTURES: dict[str, dict[str, str]] = tomllib.loads(
     files(__package__).joinpath("pictures.toml").read_text(encoding="utf-8")
 )
-"""Kind of records → its pictures by name, the most telling first → what each shows."""
+"""Kind of records → name of a picture, the most telling first → its caption."""
 
 
 def pictures_of(figures: Iterable[str]) -> tuple[str, ...]:
@@ -45,8 +45,8 @@ ALL_PICTURES = (*pictures_of(dict.fromkeys(chain(*PICTURES.values()))), REPORT)
 
 @contextmanager
 def written_together(folder: Path, names: Iterable[str]) -> Iterator[Path]:
-    """Yield an empty folder in `folder` for results, which move out in the order of their names when the block ends,
-    and replace all that an earlier identification left; nothing changes if it fails."""
+    """Yield an empty folder for results. When the block ends they move into `folder`, in the order of `names`, and
+    replace those of an earlier identification; if it fails, nothing changes."""
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory(prefix=UNFINISHED, dir=folder) as unfinished:
         yield Path(unfinished)
@@ -57,9 +57,9 @@ def written_together(folder: Path, names: Iterable[str]) -> Iterator[Path]:
 
 
 def require_room(folder: Path, names: Iterable[str], permission: str) -> None:
-    """Raise ValueError where results of those names could not be written to a folder, or would replace others.
+    """Raise ValueError if files of these names cannot be written to a folder, or would replace others.
 
-    permission : the option that allows a caller to replace them; empty where it was given.
+    permission : the option that allows to replace them; empty if it was given.
     """
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir():

@@ -1,6 +1,5 @@
-"""Pictures of an identification: of forced records the averaged cycles with the fit, the friction loops, and the rows
-of the balance; of free decays each decay with the motion fitted to it, and the rows. One panel takes the whole width,
-more of them share it.
+"""Pictures of forced records, with averaged cycles and fit, friction loops and rows of the balance, and of free decays,
+with fitted motion, rows and damping. Up to three panels share the width of the page.
 """
 
 from __future__ import annotations
@@ -26,7 +25,6 @@ from ..figures.style import (
     STICK,
     drawn_in,
     explained,
-    lacking_glyphs,
     page,
     place,
     styled,
@@ -44,7 +42,7 @@ from .answer import Answer
 from .loading import excerpt
 
 if TYPE_CHECKING:
-    from .result import Picture, Result
+    from .result import Result
 
 DPI = 200  # pictures to look at: in print they are SVG
 
@@ -64,12 +62,6 @@ _FINE = 2880  # points of a cycle: its corners are between two of them
 _DOTS: dict[str, Any] = {"color": FAINT, "markersize": 1.0, "rasterized": True}
 
 
-def draw(picture: Picture, coordinate: Coordinate) -> Figure:
-    """Return a picture on a page of its own."""
-    with lacking_glyphs():
-        return picture.draw(*picture.of, coordinate)
-
-
 def plot(
     found: Result[Any],
     figure: str | None,
@@ -84,9 +76,9 @@ def plot(
     held = [] if given is None else [one for one in given if one is not None]
     before = {line for axes in held for line in axes.get_lines()}
     with drawn_in(given):
-        drawn = draw(pictures[name], found.coordinate)
+        drawn = pictures[name].drawn(found.coordinate)
     axes = held or drawn.axes
-    for one in held:  # what the panels of a picture share, each of these has
+    for one in held:  # panels of a picture share a label; axes of a caller each get it
         shared = [panel.get_xlabel() for panel in drawn.axes if panel.get_xlabel()]
         one.set_xlabel(one.get_xlabel() or next(iter(shared), ""))
         one.tick_params(labelbottom=True)
@@ -99,11 +91,11 @@ def plot(
 def cycles(
     records: Sequence[Record], readings: Sequence[Reading], fit: WaveformFit | None, of: Coordinate
 ) -> Figure:
-    """Return each record folded onto one cycle of the drive (dots), its averaged cycle (line), and that of the fitted
-    oscillator (dashes); below, what the fit leaves of the samples, over the standard deviation of the noise. Without a
-    fit, what the averaged cycle leaves. A panel per record.
+    """Return each record folded onto one cycle of the drive (dots), its averaged cycle (line) and that of the fitted
+    oscillator (dashes), a panel per record; below, the residuals of the fit or, without one, of the averaged cycle, in
+    standard deviations of the noise.
 
-    Of several response channels the sharpest is shown. The phase is that of the base, whose peak is at 0.
+    Of several response channels the highest derivative is shown. The phase is zero at the peak of the base.
     """
     figure, panels = _panels_of_records(records, "phase of the drive (°)", below=11.0)
     for i, (record, reading, (axes, below)) in enumerate(
@@ -119,7 +111,7 @@ def cycles(
         theta = (steady.omega * (t - steady.start) + base) % (2.0 * math.pi)
         axes.plot(np.degrees(theta), factor * values, ".", label="samples", **_DOTS)
         averaged = reading.averaged_cycle(_FINE)
-        # an averaged cycle has no mean, the zero of a transducer has
+        # an averaged cycle has no mean, but a transducer has an offset
         channel = steady.channels[quantity]
         level = float(np.average(channel.coefficients[:, 0].real, weights=channel.weights))
         if of_base := steady.of_base[quantity]:
@@ -147,8 +139,8 @@ def friction(
     fit: WaveformFit | None,
     of: Coordinate,
 ) -> Figure:
-    """Return the friction force against displacement, a panel per record: what the averaged cycle leaves of the forces
-    (line), the loop K_z z of the fitted oscillator (dashes), and where it begins to slip (dots).
+    """Return the friction force against displacement, a panel per record: the averaged cycle less the other forces
+    (line), the loop K_z z of the fitted oscillator (dashes) and its onset of slip (dots).
 
     loops : columns of `friction_loops` of the records.
     """
@@ -175,11 +167,11 @@ def friction(
 def balance(answers: Mapping[str, Answer], two: bool, of: Coordinate) -> Figure:
     """Return the rows of the balance, and their residuals.
 
-    (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k that meets the axis at c. The line is that of
-    the first answer. Of another law, what its terms take, Σ g_j p_j, against W; the line is where they are equal.
-    (b) the residual of each row, over its standard deviation.
+    (a) W/b against a/b: a F_k + b c = W is a straight line of slope F_k and intercept c; it is drawn for the first
+    answer. For another law, the loss by its terms, Σ g_j p_j, against W, with the line of equality.
+    (b) the residual of each row, in standard deviations.
 
-    two : whether the law has F_k and c, and nothing else.
+    two : whether the law has the terms F_k and c alone.
     """
     figure = page(DOUBLE_COLUMN, 74.0)
     left, right = place(figure, 17.0, 20.0, 68.0, 50.0), place(figure, 107.0, 20.0, 70.0, 50.0)
@@ -222,20 +214,17 @@ def balance(answers: Mapping[str, Answer], two: bool, of: Coordinate) -> Figure:
 
 @styled()
 def decays(fit: DecayFit, turns: Sequence[tuple[Array, Array]], of: Coordinate) -> Figure:
-    """Return each decay (dots), the motion of the oscillator of largest likelihood (line) and the turns read for the
-    balance (rings); below, what the fit leaves, over the standard deviation of the noise. A panel per decay, the first
-    24.
+    """Return each decay (dots), the fitted motion (line) and the turning points that the balance uses (rings), a panel
+    for each of the first 24 decays; below, the residuals in standard deviations of the noise.
 
     turns : of each decay, rows (t, x), s and m, and their errors.
     """
-    # 24 panels at most
     shown = fit.decays[:24]
     last_channel = {i: (signal, residual) for i, signal, residual in fit.residuals(of_samples=True)}
     figure, panels = _panels([one.source for one in shown], 30.0, 12.0, below=11.0)
     for i, one in enumerate(shown):
         (axes, below), (signal, residual) = panels[i], last_channel[i]
         symbol, factor, unit, _ = _SHOWN[signal.quantity]
-        # as long as the mass moves, and a little of its rest
         # 1.5 periods of rest are shown after the motion
         end = min(one.end, one.start + fit.sticks_from(i) + 1.5 * one.period)
         seen = np.flatnonzero(signal.t <= end)
@@ -263,13 +252,10 @@ def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
         own = [one for one in rows if one.mode == mode]
         X = [1e3 * one.X for one in own]
         look: dict[str, Any] = {"fmt": "o-", "color": colour, "markersize": 3.0, "linewidth": 0.6}
-        zeta, error = (
-            [100.0 * one.ratio for one in own],
-            [100.0 * NORMAL_95 * one.ratio_error for one in own],
-        )
-        left.errorbar(X, zeta, error, label=f"mode {mode}", **look)
-        hertz, error = [one.hertz for one in own], [NORMAL_95 * one.hertz_error for one in own]
-        right.errorbar(X, np.array(hertz) / hertz[0], np.array(error) / hertz[0], **look)
+        zeta = 100.0 * np.array([(one.ratio, NORMAL_95 * one.ratio_error) for one in own])
+        left.errorbar(X, *zeta.T, label=f"mode {mode}", **look)
+        f = np.array([(one.hertz, NORMAL_95 * one.hertz_error) for one in own]) / own[0].hertz
+        right.errorbar(X, *f.T, **look)
     left.set_ylabel(r"$\zeta$ (%)")
     left.set_ylim(bottom=0.0)
     right.set_ylabel("$f$ / $f$ of the largest amplitude")
@@ -283,7 +269,7 @@ def damping(rows: Sequence[SwingDamping], of: Coordinate) -> Figure:
 def _with_residual(
     axes: Axes, below: Axes, along: Array, left: Array, ends: tuple[float, float], label: str
 ) -> None:
-    """Draw, below a panel of samples, the residuals of a fit, over the standard deviation of the noise."""
+    """Draw the residuals of a fit below a panel of samples, in standard deviations of the noise."""
     below.plot(along, left, ".", **_DOTS)
     below.axhline(0.0, color=SLIP, linewidth=0.6)
     below.set_ylabel(r"residual/$\sigma$", labelpad=4.0, fontsize=7.0)
@@ -297,7 +283,7 @@ def _with_residual(
 def _panels_of_records(
     records: Sequence[Record], xlabel: str, below: float = 0.0
 ) -> tuple[Figure, list[tuple[Axes, Axes]]]:
-    """Return a panel for each record; the lowest of each column has the label of the abscissa."""
+    """Return a panel for each record; only the lowest panels have a label along x."""
     figure, panels = _panels([record.label for record in records], 34.0, 9.0, below)
     for _, lowest in panels[-_across(len(panels)) :]:
         lowest.set_xlabel(xlabel)
@@ -305,7 +291,7 @@ def _panels_of_records(
 
 
 def _across(count: int) -> int:
-    """Return how many of so many panels stand abreast."""
+    """Return the number of panels in a row."""
     return 2 if count == 4 else min(count, 3)
 
 

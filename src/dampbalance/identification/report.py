@@ -1,6 +1,6 @@
-"""The report of an identification: one HTML file that needs nothing else, to be read, printed and handed on.
+"""The report of an identification: one self-contained HTML file to read, print and hand on.
 
-The templates have the layout and what is said of every identification; here is what depends on its numbers.
+The templates have the layout and the fixed text; this module has the text that depends on the numbers.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ from ..project.wording import (
     larger_by,
     listed,
     number_text,
+    part,
     percent,
     plain_text,
     sentence,
@@ -45,22 +46,22 @@ from ..project.wording import (
     visible,
 )
 from ..records.coordinate import ROTATION, Coordinate
-from .answer import DOUBTFUL, Answer, ParameterEstimate
+from .answer import DOUBTFUL, Answer
 from .outputs import PICTURES, pictures_of
-from .pictures import DPI, draw
+from .pictures import DPI
 from .screen import (
     answer_in_words,
     answers_table,
     damping_of,
     interval_of,
     laws_table,
-    measured_caption,
-    measured_table,
+    measured_block,
     named,
     numbers,
     short,
     short_blocks,
     value_of,
+    with_ties,
     worded_first,
 )
 from .sensitivities import FAULTS, told
@@ -83,13 +84,14 @@ _COLOURS = {  # on paper, on a dark screen: contrast of text of at least 4.5 : 1
 def report(found: Result[Any], folder: Path | None = None) -> str:
     """Return the report: see `Result.report`.   folder : for the pictures as SVG and PNG."""
     with TemporaryDirectory() as unkept:
-        pictures = []
+        pictures, noun = [], found.coordinate.noun
+        nouns = {of: noun(of) for of in ("force", "displacement")}
         for name, picture in found.pictures.items():
-            caption = _caption(found, name)
+            caption = PICTURES[found.basis.kind][name].format(**nouns)
             svg, png = (Path(folder or unkept, file) for file in pictures_of([name]))
             narrow = Path(unkept, f"narrow-{svg.name}")
             with lacking_glyphs():
-                drawn = draw(picture, found.coordinate)
+                drawn = picture.drawn(found.coordinate)
                 if folder is None:
                     save_svg(drawn, svg, caption, DPI)
                 else:
@@ -115,7 +117,7 @@ def notebook(found: Result[Any]) -> str:
 
 
 def _page(template: str, found: Result[Any], **content: Any) -> str:
-    """Return a page, or a part of one, as HTML.   content : what the template shows."""
+    """Return a page, or a part of one, as HTML.   content : variables of the template."""
     content |= {"version": __version__, "colours": _COLOURS, "found": found}
     content["levels"] = found.level_documents
     of = found.coordinate
@@ -123,25 +125,16 @@ def _page(template: str, found: Result[Any], **content: Any) -> str:
     return _TEMPLATES.get_template(f"{template}.html.j2").render(**content)
 
 
-def _caption(found: Result[Any], name: str) -> str:
-    nouns = {noun: found.coordinate.noun(noun) for noun in ("force", "displacement")}
-    return PICTURES[found.basis.kind][name].format(**nouns)
-
-
 def rich(text: str) -> Markup:
-    """Return the text of a sentence or a symbol, its symbols and the options of a command set."""
-    return Markup(re.sub(r"--[a-z][a-z-]*", r"<code>\g<0></code>", in_html(text)))
+    """Return text as HTML, with symbols and options of the command typeset."""
+    return Markup(re.sub(r"--[a-z][a-z-]*", r"<code>\g<0></code>", in_html(with_ties(text))))
 
 
 _NAMES = {"K_z": "contact stiffness", "m": "mass", "f_n": "natural frequency"}
 _NAMES |= {"zeta": "damping ratio"}
 
 
-def _known(value: float | None) -> float:
-    return math.nan if value is None else value
-
-
-# --- what the report of one set says --------------------------------------------------------------
+# --- text that depends on the numbers -------------------------------------------------------------
 
 
 def _kind(answer: Answer) -> str:
@@ -157,24 +150,20 @@ def _why(findings: Sequence[Finding], coordinate: Coordinate) -> str:
 
 
 def _names(sources: Sequence[str]) -> str:
-    """Return the names of a few records, or how many there are."""
+    """Return the names of up to three records, or the number of more."""
     return f"{len(sources)} records" if len(sources) > 3 else listed([*map(short, sources)])
 
 
-def _part(p: ParameterEstimate) -> str:
-    return percent(p.within, 2).replace(" ", "\N{NO-BREAK SPACE}")
-
-
 def _first_check(found: Result[Any], effects: Mapping[str, Mapping[str, float]]) -> list[str]:
-    """Return what helps most: a sentence on the fault that the numbers feel most, against what their intervals allow,
-    unless they allow all of them, and what the owner of the rig can compare."""
+    """Return the first checks: a sentence on the fault with the largest effect relative to an interval, unless all
+    effects are smaller than their intervals, and the mass and frequency to compare with the rig."""
     felt = [("", 1.0)]
     for fault, shifts in effects.items():
         for symbol, p in found.answer.parameters.items():
             change, half = abs(shifts.get(symbol, math.nan)), p.within
             if half > 0.0 and math.isfinite(half) and math.isfinite(change):
                 off = f"{found.coordinate.symbol(symbol)} is off by {larger_by(change)}"
-                words = f"{told(found, FAULTS[fault].words)}, {off}, but its interval allows {_part(p)} only"
+                words = f"{told(found, FAULTS[fault].words)}, {off}, but its interval allows {part(half)} only"
                 felt.append((f"check first: if {words}", change / half))
     return [*filter(None, [max(felt, key=lambda one: one[1])[0]]), *damping_of(found)[:1]]
 
@@ -184,12 +173,12 @@ PAGE = "howto/symptoms"
 
 
 def address(page: str) -> str:
-    """Return where the site explains a symptom, relative to its first page."""
+    """Return the address of the explanation of a symptom, relative to the first page of the site."""
     return f"{PAGE}.html#{page}"
 
 
 def _explained(findings: Iterable[Finding]) -> list[str]:
-    """Return where the site explains findings; none where it does not."""
+    """Return a sentence with the addresses that explain findings on the site; none if there are none."""
     if not (names := [*dict.fromkeys(page for one in findings for page in one.pages)]):
         return []
     return [
@@ -199,7 +188,7 @@ def _explained(findings: Iterable[Finding]) -> list[str]:
 
 
 def _rig(found: Result[Any]) -> str:
-    """Return the drawing of the rig that records are taken to be of, SVG; empty where none is drawn."""
+    """Return the drawing of the rig that the options describe, SVG; empty for kinds without a drawing."""
     from ..figures.rig_drawings import LOAD_CELL, MOUNT, RELEASE, TO_GROUND, rigs  # slow to import
 
     kind, options = found.basis.kind, found.options
@@ -237,14 +226,14 @@ _TEMPLATES.filters |= {
     "names": _names,
     "value": value_of,
     "interval": interval_of,
-    "part": _part,
+    "part": part,
     "words": lambda symbol: _NAMES.get(symbol) or term(symbol).words,
-    "figures": lambda value: number_text(_known(value), 4),
-    "percent": lambda share: percent(_known(share)),
-    "change": lambda share: signed_percent(0.01 * round(100.0 * _known(share), 3)),
+    "figures": lambda value: number_text(value, 4),
+    "percent": percent,
+    "change": lambda share: signed_percent(0.01 * round(100.0 * share, 3)),
     "setting": _setting,
 }
-_TABLES = (answers_table, laws_table, measured_caption, measured_table, numbers)
+_TABLES = (answers_table, laws_table, measured_block, numbers)
 _WORDS = (answer_in_words, dotted, named, told, _explained, _first_check, _kind, _why)
-_FUNCTIONS = (*_TABLES, *_WORDS, _rig)
-_TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in _FUNCTIONS} | {"FAULTS": FAULTS}
+_TEMPLATES.globals |= {of.__name__.removeprefix("_"): of for of in (*_TABLES, *_WORDS, _rig)}
+_TEMPLATES.globals |= {"FAULTS": FAULTS, "nan": math.nan, "inf": math.inf}

@@ -1,4 +1,4 @@
-"""What is asked of an identification: the records, read, and the options, checked."""
+"""The input of an identification: records are read, and options are checked."""
 
 from __future__ import annotations
 
@@ -44,18 +44,19 @@ def with_stiffness_by_mass(
     options: Mapping[str, Any],
     *further: Callable[[Mapping[str, Any]], Result[Any]],
 ) -> tuple[dict[str, Any], float]:
-    """Return options with the standard uncertainty of the stiffness k that the mass among them and the frequency of
-    records give, and k, N/m.
+    """Return the stiffness k, N/m, that follows from the stated mass and the records, and the options with its standard
+    uncertainty.
 
-    m, c, k, K_z and F_k times a number are an oscillator of the same motion: the mass m̂ that any stiffness k₀ leads to
-    gives k = k₀ m/m̂.
+    Scaling m, c, k, K_z and F_k by one factor leaves the motion unchanged. If an identification with any stiffness k₀
+    gives the mass m̂, then k = k₀ m/m̂.
 
-    identified : the identification with other options.   further : identifications that begin with that k, as of
-    coefficients that are given: these are known at the true k alone.
+    identified : the identification with other options.
+    further : identifications that start from that k, such as those with given coefficients, which are true for the true
+    k only.
 
-    Raises ValueError where the records determine no mass, or a channel is in a wrong unit.
+    Raises ValueError if the records determine no mass, or a channel has a wrong unit.
     """
-    # k₀/m of 5 Hz, rad²/s²
+    # k₀/m = 1000 rad²/s², a natural frequency of 5 Hz
     mass, k = options["mass_kg"], options["mass_kg"] * 1e3
     for one in (identified, *further):
         found = one({**options, "stiffness_N_per_m": k, "mass_kg": None, "laws": False})
@@ -73,8 +74,8 @@ def read_options(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
 
     options : by their names.
 
-    Raises TypeError for a name that no option has, ValueError for an option that does not apply, for a value that is
-    wrong, and for a stiffness that is missing with the mass.
+    Raises TypeError for an unknown name, ValueError for an option that does not apply, for a wrong value, and if both
+    stiffness and mass are missing.
     """
     given = asked(kind, options)
     if kind in IN_TIME and not {"stiffness", "mass"} & given.keys():
@@ -101,13 +102,13 @@ def read_request(
     options: Mapping[str, Any],
     reader: ReaderOfTables | None = None,
 ) -> tuple[tuple[Record, ...], dict[str, Any]]:
-    """Return the records of one kind, several levels of excitation in one as a record for each, and all options as
-    `read_options` does.
+    """Return the records of one kind, one for each level of excitation, and all options as `read_options` does.
 
     reader : of tables of a stepped sine, as for `as_records`.
 
-    Raises ValueError as `read_options` and `require_different`, for a table of a stepped sine among others or the other
-    way round, and for a stiffness in N/m of records that rotate and the like.
+    Raises ValueError like `read_options` and `require_different`, for tables of a stepped sine among other records, for
+    records without times where these are needed, and for units of a translation with records of a rotation, or the
+    reverse.
     """
     asked_for = read_options(kind, {**options, "mapping": mapping})
     read = as_records(records, mapping=mapping, kind=kind, reader=reader)

@@ -1,6 +1,6 @@
-"""The result of an identification, whatever the kind of its records: numbers, findings and what they rest on.
+"""The result of an identification of any kind of records: numbers, findings, and the data and fits behind them.
 
-Screen, document, tables, report, pictures and files are functions of a result, each in its module.
+Screen, document, tables, report, pictures and files are functions of a result, each in a module.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ from ..project.wording import sentence as as_sentence
 from ..records.coordinate import TRANSLATION, Coordinate
 from ..records.record import Record
 from ..signals.log_decrement import SwingDamping
+from . import screen as shown
 from .answer import CHECKS, NONE, REFERENCE, USABLE, Answer, Interval, Verdict, doubted
+from .document import document, save
 from .law_comparison import LawComparison
 from .level import Column, Level, damping_ratio
 from .sensitivities import FAULTS, Fault, effects_of
@@ -35,38 +37,41 @@ if TYPE_CHECKING:
 
 
 class Picture(NamedTuple):
-    """A picture of a result: the function that draws it, of `of` and the coordinate."""
+    """A picture of a result: the function that draws it, and its arguments except the coordinate."""
 
     draw: Callable[..., Figure]
     of: tuple[Any, ...]
 
+    def drawn(self, coordinate: Coordinate) -> Figure:
+        """Return the picture on a page of its own."""
+        return self.draw(*self.of, coordinate)
+
 
 class Basis(Protocol):
-    """What the answers to a kind of records rest on: all that a kind has of its own, as functions of the result."""
+    """The data and fits behind the answers to one kind of records, and everything that differs between kinds."""
 
     kind: ClassVar[str]
-    """As `identify` takes it."""
+    """Kind of records, as `identify` takes it."""
 
     mass_tests: ClassVar[bool]
-    """Whether a mass that is given tests stiffness and gains; else it is taken as it is."""
+    """Whether a stated mass is compared with that of the fit, which tests stiffness and gains, or held."""
 
     columns: ClassVar[Mapping[str, Column]]
-    """What is measured of each level without a model, by the keys of its document: the table that screen and report
-    begin with, its lines grouped by the first column; none where the answer says it all."""
+    """Columns of the table of quantities measured at each level without a model, by the keys of the level's document;
+    screen and report begin with that table, grouped by the first column. Empty for kinds without one."""
 
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return what was read off the records and follows from them, for the document; `records` has an entry for
-        each."""
+        """Return the entries of the document for this kind of records; `records` has one for each record."""
 
     def levels(self, found: Result[Any]) -> Sequence[Level | SwingDamping]:
-        """Return cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
+        """Return the energy lost in a cycle of each level; for free decays, frequency and damping by amplitude."""
 
     def pictures(self, found: Result[Any]) -> dict[str, Picture]:
-        """Return the pictures of `outputs.PICTURES` by name, those that have something to show."""
+        """Return the pictures by the names in `outputs.PICTURES`; those without data are left out."""
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> Mapping[str, float]:
-        """Return the numbers of the answer of that name from the data with a fault, "m" for the mass; empty where they
-        are not known."""
+        """Return the numbers of the named answer, and the mass as "m", identified from the data with a fault; empty if
+        that is not possible."""
 
 
 B = TypeVar("B", bound=Basis, covariant=True)
@@ -74,32 +79,33 @@ B = TypeVar("B", bound=Basis, covariant=True)
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Result(Generic[B]):
-    """The coefficients of a damping law and K_z from measured records; what `identify` returns.
+    """The coefficients of a damping law and the contact stiffness K_z that `identify` finds in measured records.
 
-    k : N/m.
+    Take the numbers from `values`, `intervals` and `verdicts`; use a number whose verdict is "usable", and read in
+    `findings` what limits the others. `summary` is a table of the answer, `to_frame` one of all answers, `plot` draws,
+    `save` writes everything to a folder, and `print` shows the screen of `dampbalance identify`.
+
+    These numbers are those of the first of `approaches`: of the maximum-likelihood fit where the records fit an
+    oscillator with one friction contact, otherwise of the energy balance. `approaches[name]` has those of the others.
+    Units are SI; an unknown number is NaN. For records of a rotation (`coordinate`), k and K_z are in N m/rad, c in
+    N m s/rad, masses are moments of inertia in kg m², and F_k is a torque in N m, which keeps its key in Python and is
+    shown and written as T_k.
+
+    k : stiffness, N/m.
     sources : names of the records.
-    estimates : the other answers, by name; the last is the balance of energy, where there is one.
-    reference : the answer of the fit of one oscillator to all records; None where no oscillator that slips fits.
-    odd : findings on the records, and where the answers disagree; those on an answer are its notes.
-    head : what was identified from what, in a line.
-    rig : what the fit implies about the rig.
-    check : what checks the answer: by how much the balance of energy differs from the fit, and the like.
-    settings : how the answers were computed, for the document.
-    weighed : models that the numbers are means of, with their weights; none where there is one.
-    laws : which damping laws the records support, where that was asked for.
-    records : that they come from.
+    records : the records.
     options : as given, by the keys of a configuration.
-    hint : on what the numbers depend, and what to state or give to be sure of them; None where nothing is left.
-    basis : what the answers rest on: readings, fits and the like of this kind of records.
-
-    Records that rotate have the same numbers in units of a rotation (`coordinate` is `ROTATION` then): k and K_z in
-    N m/rad, c in N m s/rad, masses as moments of inertia in kg m², and F_k in N m. F_k keeps its key in Python; what is
-    shown or written calls it T_k, and J the inertia.
-
-    `values`, `intervals`, `covariance` and the like are those of the first of `approaches`. That is the fit of maximum
-    likelihood where the records are those of an oscillator with one friction contact, and the balance of energy
-    otherwise. Those of any other are in `approaches[name]`. SI units throughout; a number that is not known is NaN. In
-    a terminal and in a notebook it shows itself as `dampbalance identify` does.
+    laws : the damping laws that the records support, if `laws` was asked for.
+    weighed : the models over which the numbers are averaged, with their weights; empty for a single model.
+    reference : the answer of the fit of one oscillator to all records; None where no oscillator that slips fits.
+    estimates : the other answers by name; the last is the energy balance, where there is one.
+    odd : findings on the records and on disagreements of the answers; those on one answer are its notes.
+    head : one line: what was identified, from how many records.
+    rig : findings on the rig that the fit implies.
+    check : findings of the check of the answer, such as its difference from the energy balance.
+    settings : how the answers were computed, for the document.
+    hint : on which inputs the numbers depend, and what to state or measure to reduce that; None if nothing would.
+    basis : data and fits behind the answers.
     """
 
     basis: B
@@ -120,12 +126,13 @@ class Result(Generic[B]):
 
     @property
     def coordinate(self) -> Coordinate:
-        """Whether the records are of a translation or of a rotation, which decides on units and words."""
+        """Translation or rotation, which decides units and words."""
         return self.records[0].coordinate if self.records else TRANSLATION
 
     @property
     def levels(self) -> Sequence[Level | SwingDamping]:
-        """Cycles of the motion, what each loses; of free decays frequency and damping over the amplitude."""
+        """The energy lost in a cycle of each level, with loss factor and equivalent damping; for free decays, frequency
+        and damping ratio by amplitude."""
         return self.basis.levels(self)
 
     @property
@@ -139,16 +146,15 @@ class Result(Generic[B]):
         return self.basis.pictures(self)
 
     def shifts(self, faults: Mapping[str, Fault], name: str) -> dict[str, dict[str, float]]:
-        """Return the relative change of the numbers of the answer of that name with faults, see `effects_of`."""
+        """Return the relative changes that faults make to the numbers of the named answer, see `effects_of`."""
         return effects_of(self, faults, name)
 
     @cached_property
     def approaches(self) -> dict[str, Answer]:
-        """The answer of each approach, by its name, and of the fit of one oscillator to all records, "maximum
-        likelihood"; the one to use first, with the doubts that the warnings cast on its numbers.
+        """The answer of each approach by its name, the one to use first.
 
-        The fit is the answer, and the balance its check, with values and errors alone, unless more of what the balance
-        says is usable.
+        That is the fit of one oscillator to all records, "maximum likelihood", unless the energy balance has more
+        usable numbers. After the fit, the balance is a check, with values and errors but no verdicts.
         """
         fit = {} if self.reference is None else {REFERENCE: self.reference}
         answers = doubted({**self.estimates, **fit}, self.odd)
@@ -163,16 +169,19 @@ class Result(Generic[B]):
 
     @property
     def figures(self) -> tuple[str, ...]:
-        """Names of the pictures that `plot` draws, the first if none is named: of forced records cycles (each record
-        folded onto one cycle), friction (force against displacement) and balance (its rows, and what they leave);
-        of free decays decays (each with the motion fitted to it) and damping (over the amplitude); of a stepped sine
-        loss and stiffness (against the amplitude) and distribution (of the contact over the amplitude at which it
-        slips)."""
+        """Names of the pictures that `plot` draws, the most telling first.
+
+        For forced records cycles (each record folded onto one cycle), friction (force against displacement) and balance
+        (its rows and their residuals); for free decays decays (each with the fitted motion), balance and damping
+        (against the amplitude); for a stepped sine loss and stiffness (against the amplitude) and distribution
+        (stiffness of the contact against the amplitude of slip); for loops loops, loss and history (of the cycles); for
+        steady speeds speeds.
+        """
         return tuple(self.pictures)
 
     @property
     def answer(self) -> Answer:
-        """The answer whose values these are."""
+        """The answer to use, the first of `approaches`."""
         return next(iter(self.approaches.values()))
 
     @property
@@ -182,61 +191,63 @@ class Result(Generic[B]):
 
     @property
     def mass(self) -> float:
-        """The mass m of the fit, kg, or the one given where the fit takes it, without that of a fixture; NaN where no
-        fit determines it."""
+        """The mass m of the fit, kg, without that of a fixture, or the stated mass if the fit holds it; NaN if no fit
+        determines it."""
         moving = (self.reference or self.answer).merit.get("m_kg", math.nan)
         return float(moving - (self.options.get("fixture_mass_kg") or 0.0))
 
     @property
     def mass_error(self) -> float:
-        """The standard error of the mass, kg; zero where the fit takes the mass that was given."""
+        """The standard error of the mass, kg; zero if the fit holds the stated mass."""
         return float((self.reference or self.answer).merit.get("m_standard_error_kg", math.nan))
 
     @property
     def natural_frequency(self) -> float:
-        """The undamped natural frequency of this mass on the spring k, with the contact loose, √(k/m)/2π, Hz; NaN where
-        the mass is not known."""
+        """The undamped natural frequency with the contact loose, √(k/m)/2π, Hz; NaN if the mass is not known."""
         return math.sqrt(self.k / self.mass) / (2.0 * math.pi)
 
     @property
     def damping_ratio(self) -> float:
-        """The fraction of critical damping of c alone, ζ = c/(2√(km)), a pure number; NaN where mass or c are not
-        known. Friction adds to it: `document` lists the damping ratio of each level, and of a stepped sine
-        `damping_at` gives it at any amplitude."""
+        """The fraction of critical damping of c alone, ζ = c/(2√(km)); NaN if mass or c are not known.
+
+        Friction adds to it: `levels` has the equivalent damping ratio at each level and, for a stepped sine,
+        `damping_at` gives it at any amplitude.
+        """
         return damping_ratio(self.values.get("c", math.nan), self.k, self.mass)
 
     @property
     def oscillator(self) -> dict[str, ParameterEstimate]:
-        """The mass m (kg), the natural frequency f_n (Hz) and the damping ratio zeta, of which `mass`,
-        `natural_frequency` and `damping_ratio` are the values, with standard errors and intervals of 95 %; none where
-        no fit determines the mass."""
+        """The mass m (kg), the natural frequency f_n (Hz) and the damping ratio zeta with standard errors and 95 %
+        intervals; `mass`, `natural_frequency` and `damping_ratio` are their values. Empty if no fit determines the
+        mass."""
         values = {"m": self.mass, "f_n": self.natural_frequency, "zeta": self.damping_ratio}
         estimates = self.approaches.get(REFERENCE, self.answer).rig
         return {s: p.at(values[s]) for s, p in estimates.items() if not math.isnan(values[s])}
 
     @property
     def standard_errors(self) -> dict[str, float]:
-        """The standard error of each."""
+        """The standard error of each number by its symbol, SI units."""
         return self.answer.standard_errors
 
     @property
     def intervals(self) -> dict[str, Interval]:
-        """The interval (low, high) that holds the true value with a probability of 95 %; an open end is infinite."""
+        """The 95 % interval (low, high) of each number by its symbol, SI units; an open end is infinite."""
         return self.answer.intervals
 
     @property
     def verdicts(self) -> dict[str, Verdict]:
-        """The verdict on each: usable, doubtful or none, and why."""
+        """The verdict on each number by its symbol: "usable", "doubtful" or "none", with the reason and the relative
+        half width of the interval."""
         return {symbol: one.worded(self.coordinate) for symbol, one in self.answer.verdicts.items()}
 
     @property
     def no_answer(self) -> str:
-        """Why there is no answer, where no coefficient has a value whose error is bounded; empty where there is one."""
+        """Why there is no answer, if no coefficient has a value with a bounded error; otherwise empty."""
         return "; ".join(sentence(group, self.coordinate) for group in self.unanswered)
 
     @property
     def unanswered(self) -> list[list[Finding]]:
-        """The findings for which there is no answer; none where there is one."""
+        """The findings because of which there is no answer; empty if there is one."""
         if self.answer.answered:
             return []
         verdicts = self.answer.verdicts
@@ -247,7 +258,7 @@ class Result(Generic[B]):
 
     @property
     def covariance(self) -> pd.DataFrame:
-        """The covariance of their errors, in the products of their units; NaN where it is not known."""
+        """The covariance of the errors of all numbers, in the products of their SI units; NaN where it is not known."""
         import pandas as pd  # slow to import
 
         symbols = list(self.answer.parameters)
@@ -255,9 +266,8 @@ class Result(Generic[B]):
 
     @property
     def rows(self) -> pd.DataFrame:
-        """The rows of the energy balance Σ g_j p_j = W: the integrals g_j (a_m, b_m2_per_s, …), the input work W_J, its
-        standard error, and what the values of the balance leave of it, misfit_J; of the first approach that has
-        rows."""
+        """The rows of the energy balance Σ g_j p_j = W of the first approach that has rows: the integrals g_j (a_m,
+        b_m2_per_s, …), the input work W_J, its standard error, and the residual misfit_J."""
         import pandas as pd  # slow to import
 
         answer = next((a for a in self.approaches.values() if a.balance is not None), self.answer)
@@ -266,8 +276,8 @@ class Result(Generic[B]):
         return frame.rename(columns=self.coordinate.key)
 
     def to_frame(self) -> pd.DataFrame:
-        """Return a line for each answer and each number: approach, symbol, unit, value, standard_error, low and high
-        (the interval of 95 %), verdict, within_percent, reason; the check has no verdict."""
+        """Return all numbers of all answers as a table, one line each: approach, symbol, unit, value, standard_error,
+        low and high (the 95 % interval), verdict, within_percent and reason; the check has no verdict."""
         import pandas as pd  # slow to import
 
         return pd.DataFrame(
@@ -283,8 +293,8 @@ class Result(Generic[B]):
         )
 
     def sensitivities(self) -> tuple[str | None, dict[str, dict[str, float]]]:
-        """Name of the answer to use first, and what each of `FAULTS` that acts does to it, fault → symbol → number; the
-        next answer where that is the fit, and it does not describe the waveforms."""
+        """Return the name of an answer and the relative change that each of `FAULTS` makes to its numbers, fault →
+        symbol → change. It is the first answer for which they are known; faults without effect are left out."""
         for name in self.approaches:
             if changes := self.shifts(FAULTS, name):
                 return name, {fault: of for fault, of in changes.items() if any(of.values())}
@@ -292,8 +302,8 @@ class Result(Generic[B]):
 
     @property
     def limits(self) -> list[list[Finding]]:
-        """The findings, those that one sentence may state together, beginning with what may change a number most; of
-        equal effect, notes on answers come before findings on records and on all of them."""
+        """The findings in groups that one sentence states, those with the largest effect first; of equal effect, notes
+        on answers precede findings on single records and on all of them."""
         notes = [note.about(name) for name, of in self.approaches.items() for note in of.notes]
         of_records, of_all = ([w for w in self.odd if bool(w.of) == one] for one in (True, False))
         groups = [*grouped(notes), *grouped(of_records), *([one] for one in of_all)]
@@ -301,7 +311,7 @@ class Result(Generic[B]):
 
     @property
     def findings(self) -> list[Finding]:
-        """What limits the answers, beginning with what may change a number most."""
+        """The findings that limit the answers, those with the largest effect first."""
         return [one for group in self.limits for one in group]
 
     def in_sentences(self, findings: Iterable[Finding]) -> list[str]:
@@ -309,12 +319,9 @@ class Result(Generic[B]):
         return [as_sentence(sentence(one, self.coordinate)) for one in findings]
 
     def summary(self) -> pd.DataFrame:
-        """Return the answer as a table of 80 columns: a line for each number, then for m, f_n and ζ where they are
-        known, with unit, value, interval of 95 % (low, high) and verdict. `to_frame` has all that is known of all
-        answers."""
+        """Return the answer as a table of at most 80 columns: a line for each number, then for m, f_n and ζ if they are
+        known, with unit, value, 95 % interval (low, high) and verdict. `to_frame` has all answers."""
         import pandas as pd  # slow to import
-
-        from .screen import numbers
 
         return pd.DataFrame(
             {
@@ -324,11 +331,11 @@ class Result(Generic[B]):
                 **of.p.interval._asdict(),
                 "verdict": of.verdict.verdict,
             }
-            for of in numbers(self)
+            for of in shown.numbers(self)
         ).set_index("symbol")
 
     def __dir__(self) -> list[str]:
-        """Return the names to complete, without those from which screen, report and files are made."""
+        """Return the names for completion, without those that only screen, report and files use."""
         return sorted({*super().__dir__()} - _MADE_FROM)
 
     def __repr__(self) -> str:
@@ -342,36 +349,30 @@ class Result(Generic[B]):
         return notebook(self)
 
     def screen(self, width: int = 80) -> str:
-        """Return one screen: the answer, what it says of the rig, what checks it, at most three causes of doubt with
-        their remedies, and where the rest is. Where there is no answer, the cause comes first and the numbers last.
+        """Return the answer as text for one screen: numbers and verdicts, the rig, the check, at most three causes of
+        doubt with their remedies, and where to find the rest. If there is no answer, its cause comes first.
 
         width : of a line, characters; tables are not wrapped.
         """
-        from .screen import screen
-
-        return screen(self, width)
+        return shown.screen(self, width)
 
     def text(self, width: int | None = None) -> str:
-        """Return all sentences and tables, what `--details` shows and summary.txt holds: the screen with every cause
-        of doubt, and below it all answers and models, and on what the numbers depend.
+        """Return all sentences and tables as text, as `--details` shows and summary.txt holds them: the screen with
+        every cause of doubt, then all answers and models, and on which inputs the numbers depend.
 
-        width : of a line, characters; tables are not wrapped, and nothing is by default.
+        width : of a line, characters; tables are not wrapped; by default no line is.
         """
-        from .screen import details
-
-        return details(self, width)
+        return shown.details(self, width)
 
     def document(self) -> dict[str, Any]:
-        """Return everything, as plain data for JSON, what `identification.json` holds; SI units, named in the keys;
-        what is not known is null."""
-        from .document import document
-
+        """Return everything as plain data, as in `identification.json`: SI units, named in the keys; what is not known
+        is None."""
         return document(self)
 
     def report(self) -> str:
-        """Return the report as one page of HTML that needs no other file: verdict, numbers, pictures, what limits the
-        answer and what to do next, damping of each level, effect of faults, settings. Use it to hand a result to
-        others; `save` writes it as report.html."""
+        """Return the report, one page of HTML that needs no other file, to hand a result to others: verdicts, numbers,
+        limitations and next steps, pictures, damping of each level, effect of faults, settings. `save` writes it as
+        report.html."""
         from .report import report  # slow to import
 
         return report(self)
@@ -383,15 +384,16 @@ class Result(Generic[B]):
         ax: Axes | Sequence[Axes | None] | None = None,
         **style: Any,
     ) -> Any:
-        """Draw one of the pictures that `figures` names, the first by default, and return its axes.
+        """Draw a picture and return its axes.
 
-        ax : where to draw. By default on a new figure of pyplot, whose axes are returned as an array: a panel for each
-        record or, for the balance, its rows and their residuals. Axes of yours take the first panel, and are returned;
-        a sequence of axes takes as many panels as it has entries, and leaves out those for which it has None:
-        `ax=[None, axes]` draws the residuals of the balance alone. Add a legend to axes of yours by `axes.legend()`.
+        figure : one of `figures`; by default the first.
+        ax : where to draw; by default on a new figure of pyplot, whose axes are returned as an array: a panel for each
+        record or, for the balance, its rows and their residuals. Axes of yours get the first panel and are returned;
+        a sequence of axes gets one panel for each entry, and a panel whose entry is None is left out: `ax=[None, axes]`
+        draws the residuals of the balance alone. Axes of yours have no legend until you call `axes.legend()`.
         style : properties of all lines and marks, as in `Axes.plot`: color="k", markersize=8.
 
-        Raises ValueError for a name that is none of them.
+        Raises ValueError for an unknown name.
         """
         from .pictures import plot  # slow to import
 
@@ -400,15 +402,16 @@ class Result(Generic[B]):
     def save(
         self, folder: str | Path, *, figures: bool = True, overwrite: bool = False
     ) -> list[Path]:
-        """Write all of it to a folder: document, tables and text, and the pictures as SVG and PNG; returns the files.
+        """Write document, table, text, report and pictures (SVG, PNG) to a folder, and return the paths of the files.
 
-        All of it is computed before anything there changes; each file is complete or not at all, the document comes
-        last; the same records give the same bytes. Pictures of an earlier identification there are removed.
+        Everything is computed before the folder changes, and each file is written completely or not at all, the
+        document last. The same records give the same bytes.
 
-        Raises ValueError where results are there already and may not be replaced, or nothing can be written.
+        figures : whether to write pictures and the report; they take longer than everything else.
+        overwrite : whether to replace earlier results, whose pictures are removed.
+
+        Raises ValueError if the folder has results that may not be replaced, or cannot be written to.
         """
-        from .saving import save  # slow to import
-
         return save(self, folder, figures=figures, overwrite=overwrite)
 
 
@@ -416,12 +419,12 @@ _MADE_FROM = {
     *("basis", "check", "estimates", "head", "hint", "level_documents", "limits", "odd"),
     *("pictures", "reference", "rig", "settings", "shifts", "unanswered", "weighed"),
 }
-"""Names of a result for the modules that show or write it."""
+"""Names that only the modules use that show or write a result."""
 
 
 def _worth(answer: Answer) -> tuple[float, ...]:
-    """Return the reasons for which an answer is chosen: coefficients that are usable, that have a bounded error, that
-    have a value; and of two that are equal in these the fit, where it is an answer."""
+    """Return the numbers by which answers are ranked: how many coefficients are usable, have a bounded error, have a
+    value; then whether it is the fit."""
     verdicts = [answer.verdicts[symbol] for symbol in answer.coefficients]
     usable = sum(one.verdict == USABLE for one in verdicts)
     # a limit that is usable has no size, and is no worse for it

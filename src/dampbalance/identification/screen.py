@@ -1,4 +1,4 @@
-"""A result in plain characters: one screen, and all of it with tables and sentences."""
+"""A result as plain text: one screen, and the details with all tables and sentences."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ from ..project.wording import (
     NO_NUMBER,
     cut,
     label_with_unit,
+    minus,
     number_text,
     part,
     percent,
@@ -46,18 +47,20 @@ if TYPE_CHECKING:
 
 _ROUNDING = 1e-12
 _CAPTIONS = {"loops": "loops measured", "ring-down": "swings measured"}
-"""Finding that says what the columns of the table of a kind of records are."""
-_LAWS = 3  # compared that a screen has room for
+"""Kind of records → the finding that explains the columns of its table of levels."""
+_LAWS = 3  # damping laws listed on a screen
 _LINES = 24  # of a screen
 _ROOM = ((3, 12), (3, 6), (3, 3), (3, 2), (2, 2), (1, 2))
-"""Causes of doubt and levels that a screen shows, the most that fit."""
+"""Numbers of causes of doubt and of levels on a screen; the first pair that fits is used."""
 
 
 class Block(NamedTuple):
-    """A piece of a screen, as a terminal and a notebook show it, in this order.
+    """A piece of a screen: paragraphs, then a list, then a table.
 
-    words : paragraphs.   items : of a list.   table : a line of heads and lines of cells.   grouped : whether the lines
-    of the table are below the names in its first column, and units below symbols.
+    words : paragraphs.
+    items : of the list.
+    table : a line of heads and lines of cells.
+    grouped : whether lines are listed below the name in their first column, and units below symbols.
     """
 
     words: Sequence[str] = ()
@@ -67,9 +70,9 @@ class Block(NamedTuple):
 
 
 class Number(NamedTuple):
-    """A number of the answer: a row of every table of it.
+    """A number of the answer as text.
 
-    symbol, p, verdict : of the number, SI.
+    symbol, p, verdict : of the number, SI units.
     """
 
     symbol: str
@@ -78,7 +81,7 @@ class Number(NamedTuple):
 
     @property
     def shown(self) -> ParameterEstimate:
-        """The estimate in the unit that is shown: ζ in percent."""
+        """The estimate in the displayed unit: ζ in percent."""
         if self.symbol != "zeta":
             return self.p
         low, high = self.p.interval
@@ -88,8 +91,8 @@ class Number(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The value with the half width of its interval, "1.2803 ± 0.0011", or with the interval where that is not
-        symmetric; a limit, "< 0.0023"; a dash for no value."""
+        """The value with the half width of its interval, "1.2803 ± 0.0011", or with an asymmetric interval in brackets;
+        a limit as "< 0.0023", a missing value as a dash."""
         value, (low, high) = self.shown.value, self.shown.interval
         half, middle = 0.5 * (high - low), 0.5 * (high + low)
         if math.isnan(value):
@@ -100,27 +103,27 @@ class Number(NamedTuple):
             return f"< {number_text(high, 2)}"
         if not half > _ROUNDING * abs(value):
             return number_text(value, 5)
-        # an interval is shown as ± if its value lies off the middle by less than a tenth of the half width
+        # symmetric within a tenth of the half width
         if abs(value - middle) < 0.1 * half:
             return with_error(value, half)
         return f"{rounded(value, half)} [{rounded(low, half)}, {rounded(high, half)}]"
 
     def name(self, of: Coordinate) -> str:
-        """Return the symbol as it is read."""
+        """Return the symbol as displayed."""
         return GREEK.get(self.symbol, of.symbol(self.symbol))
 
     def unit(self, of: Coordinate) -> str:
-        """Return the unit that is shown."""
+        """Return the displayed unit."""
         return "%" if self.symbol == "zeta" else of.unit(unit_of(self.symbol))
 
     def equation(self, of: Coordinate) -> str:
-        """Return F_k = 1.2803 ± 0.0011 N."""
+        """Return the number as an equation, "F_k = 1.2803 ± 0.0011 N"."""
         sign = "= " * (self.text[0] not in "<>")
         return with_unit(f"{self.name(of)} {sign}{self.text}", self.unit(of))
 
 
 def numbers(found: Result[Any]) -> list[Number]:
-    """Return the numbers of the answer, then m, f_n and ζ where a fit determines them."""
+    """Return the numbers of the answer, then m, f_n and ζ if a fit determines them."""
     verdicts = found.answer.verdicts
     own = [Number(s, p, verdicts[s]) for s, p in found.answer.parameters.items()]
     return own + [Number(s, p, judged(s, p)) for s, p in found.oscillator.items()]
@@ -139,13 +142,13 @@ def details(found: Result[Any], width: int | None = None) -> str:
 
 
 def short_blocks(found: Result[Any], tabled: bool = False) -> list[Block]:
-    """Return the pieces of one screen, with what shows the rest.   tabled : as for `blocks`."""
+    """Return the pieces of one screen, the last of which says where the rest is.   tabled : as for `blocks`."""
     for causes, levels in _ROOM:
         left = len(limiting(found)) - len(limiting(found, others=False)[:causes])
         more = f"{left} more and " * bool(left) + "all numbers"
         last = f"See {everything()} for {more}, and for what they depend on."
         parts = [*blocks(found, (causes, levels), tabled), Block([last])]
-        # whatever its width, it says the same; a notebook has room
+        # the width does not change what is shown; a notebook has room
         if tabled or plain(parts, 80).count("\n") <= _LINES:
             break
     return parts
@@ -154,11 +157,11 @@ def short_blocks(found: Result[Any], tabled: bool = False) -> list[Block]:
 def blocks(
     found: Result[Any], room: tuple[int, int] | None = None, tabled: bool = True
 ) -> list[Block]:
-    """Return the pieces of a screen: the answer, what is measured, what it says of the rig, what checks it and what
-    limits it. Where there is no answer, the cause comes first and the numbers last.
+    """Return the pieces of a screen: the answer, measured quantities, the rig, the check and the causes of doubt. If
+    there is no answer, its cause comes first and the numbers last.
 
-    room : causes of doubt and levels that there is room for; default, all.
-    tabled : whether the numbers are a table, as they are where there is no answer; default, in addition to sentences.
+    room : the most causes of doubt and levels; by default all.
+    tabled : whether to show the numbers as a table, which is always done if there is no answer.
     """
     of_levels, first = found.level_documents, found.unanswered
     causes, levels = room or (None, len(of_levels))
@@ -175,7 +178,9 @@ def blocks(
     doubted = any(of.verdict != USABLE for of in found.answer.verdicts.values())
     answer = [answer_in_words(found)] if shown or doubted or lead(found) else []
     measured = measured_block(found.basis, of_levels, found.coordinate)
-    return [Block(answer), measured, *parts, *comparison(found, None if whole else _LAWS)]
+    of_laws = found.in_sentences(found.laws.findings) if found.laws else ()
+    laws = Block(of_laws, table=laws_table(found, None if whole else _LAWS))
+    return [Block(answer), measured, *parts, laws]
 
 
 def plain(parts: Iterable[Block], width: int | None) -> str:
@@ -189,8 +194,8 @@ def plain(parts: Iterable[Block], width: int | None) -> str:
 
 
 def lead(found: Result[Any]) -> str:
-    """Return the sentence before all numbers: that there is no answer, its first cause and the remedy, or no friction;
-    else an empty one."""
+    """Return the sentence that precedes the numbers: there is no answer, with its first cause and the remedy, or no
+    friction; otherwise an empty text."""
     coordinate, answer = found.coordinate, found.answer
     if found.unanswered:
         return sentence(f"no answer: {worded(_parted(found)[0], coordinate)}")
@@ -203,7 +208,7 @@ def lead(found: Result[Any]) -> str:
 
 
 def _parted(found: Result[Any]) -> tuple[list[Finding], list[list[Finding]], list[list[Finding]]]:
-    """Return `Result.limits` in parts: that for which there is no answer, others on the answer, on other answers
+    """Return `Result.limits` in parts: the cause of having no answer, the others on the answer, those on other answers
     alone."""
     others = {*found.approaches} - {found.answer.name}
     of_others = [group for group in found.limits if {one.of for one in group} <= others]
@@ -213,8 +218,8 @@ def _parted(found: Result[Any]) -> tuple[list[Finding], list[list[Finding]], lis
 
 
 def limiting(found: Result[Any], *, others: bool = True) -> list[str]:
-    """Return what limits the answer, and on what it depends, in sentences, without the cause that `lead` states, and
-    what limits the others."""
+    """Return in sentences what limits the answer, except the cause that `lead` states, on which inputs it depends and,
+    if `others`, what limits the other answers."""
     _, own, of_others = _parted(found)
     hint = found.in_sentences([found.hint] if found.hint and not found.unanswered else [])
     first, rest = ([sentence(named(found, of)) for of in groups] for groups in (own, of_others))
@@ -222,15 +227,15 @@ def limiting(found: Result[Any], *, others: bool = True) -> list[str]:
 
 
 def named(found: Result[Any], findings: Sequence[Finding]) -> str:
-    """Return findings of one kind in a sentence that names what they are about, unless that is the answer."""
+    """Return findings of one kind in a sentence that names their subject, unless that is the answer."""
     if found.answer.name in {one.of for one in findings}:
         return worded(findings, found.coordinate)
     return in_a_sentence(findings, found.sources, found.coordinate)
 
 
 def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
-    """Return the numbers with their intervals, a line each below a line of heads: of the answer with the verdict, then
-    of the others. A star marks an answer with notes."""
+    """Return the table of all answers, heads first: a line for each number, with its verdict after the answer to use. A
+    star marks another answer with notes."""
     answer, *others = found.approaches.values()
     heads = ["at 95 %", answer.name, "verdict", *(o.name + " *" * bool(o.notes) for o in others)]
     lines = [tuple(heads)]
@@ -243,11 +248,8 @@ def answers_table(found: Result[Any]) -> list[tuple[str, ...]]:
     return lines
 
 
-def measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list[str]]:
-    """Return what is measured of each level, a line each below a line of heads; nothing where the answer says it all.
-
-    levels : by the keys of the document.
-    """
+def _measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list[str]]:
+    """Return the table of measured quantities, heads first, with a line for each level."""
     if not (levels and (columns := basis.columns.items())):
         return []
     heads = [label_with_unit(of.symbol(s), of.unit(unit)) for _, (s, unit, _) in columns]
@@ -255,35 +257,35 @@ def measured_table(basis: AnyBasis, levels: Levels, of: Coordinate) -> list[list
 
 
 def _cell(level: Mapping[str, Any], key: str, column: Column) -> str:
-    """Return a name, a count or a number of a table, with the half width of its interval where it has an error."""
+    """Return a name, a count or a number as a cell, with the half width of its interval if it has an error."""
     value, factor = level[key], PER_SI.get(column.unit, 1.0)
     if isinstance(value, str):
         return short(value)
     if column.error:
         return with_error(factor * value, factor * NORMAL_95 * level[column.error])
-    return f"{value:g}" if value % 0.5 == 0.0 else number_text(factor * value, 3)
+    return minus(f"{value:g}") if value % 0.5 == 0.0 else number_text(factor * value, 3)
 
 
 def short(source: str) -> str:
-    """Return the name of a file without its folder; of a record from elsewhere all of it, whatever slashes it has."""
+    """Return the name of a file without its folder; the whole name of a record that is not from a file."""
     path = PurePath(source)
     return visible(path.name if path.suffix else source)
 
 
-def measured_caption(kind: str, coordinate: Coordinate) -> str:
-    """Return a sentence on the columns of that table."""
-    return sentence(worded(Finding(_CAPTIONS[kind]), coordinate))
-
-
 def measured_block(basis: AnyBasis, levels: Levels, of: Coordinate) -> Block:
-    """Return that table below its caption."""
-    table = measured_table(basis, levels, of)
-    return Block([measured_caption(basis.kind, of)] if table else [], table=table, grouped=True)
+    """Return the table of measured quantities below a sentence that explains its columns; empty for kinds without one.
+
+    levels : by the keys of the document.
+    """
+    if not (table := _measured_table(basis, levels, of)):
+        return Block()
+    caption = sentence(worded(Finding(_CAPTIONS[basis.kind]), of))
+    return Block([caption], table=table, grouped=True)
 
 
 def _grouped(table: Sequence[Sequence[str]], width: int | None) -> list[str]:
-    """Return the lines of a table with units below symbols; where its first column has several names, each above its
-    lines."""
+    """Return the lines of a table with units below symbols; each name of its first column stands above its lines, if
+    there are several."""
     (what, *heads), *rows = table
     parts = zip(*(head.partition(" ")[::2] for head in heads), strict=True)
     symbols, units, *lines = aligned([*parts, *(row[1:] for row in rows)])
@@ -303,8 +305,8 @@ def aligned(table: Sequence[Sequence[str]]) -> list[str]:
 
 
 def in_one(verdicts: Mapping[str, Verdict], coordinate: Coordinate) -> str:
-    """Return the verdicts on several parameters for a line of a table: "usable within 1.2 %", or "usable within 0.3 %:
-    F_k, c; none: K_z", where the number that is known least decides."""
+    """Return the verdicts on several numbers in one line: "usable within 1.2 %", or "usable within 0.3 %: F_k, c;
+    none: K_z". The least accurate number of a group decides its percentage."""
     by_word: dict[tuple[str, bool], list[str]] = {}
     for symbol, one in verdicts.items():
         roughly = one.verdict == USABLE and math.isfinite(one.within) and one.within > USELESS
@@ -322,14 +324,14 @@ def in_one(verdicts: Mapping[str, Verdict], coordinate: Coordinate) -> str:
 
 
 def worded_first(findings: Sequence[Finding], coordinate: Coordinate) -> str:
-    """Return the first of findings in words, with those of its kind; empty where there is none."""
+    """Return the first finding in words, with others of its kind; empty if there are none."""
     first = [one for one in findings if one.kind == findings[0].kind]
     return worded(first, coordinate, remedy=False) if first else ""
 
 
 def answer_in_words(found: Result[Any]) -> str:
-    """Return the values with their intervals of 95 %, and how far they can be used, in a sentence: "F_k = 2.100 ± 0.010
-    N, … at 95 %: usable within 0.6 %."; after a doubt its first reason. Where there is a lead, that."""
+    """Return the values with their 95 % intervals and verdicts in a sentence, "F_k = 2.100 ± 0.010 N, … at 95 %: usable
+    within 0.6 %."; a doubt is followed by its first reason. If there is a `lead`, return that."""
     answer, coordinate = found.answer, found.coordinate
     if said := lead(found):
         return said
@@ -342,8 +344,8 @@ def answer_in_words(found: Result[Any]) -> str:
 
 
 def damping_of(found: Result[Any], shown: bool = True) -> list[str]:
-    """Return in sentences the mass, the natural frequency and the damping ratio, which a test engineer asks for first,
-    unless they are shown elsewhere, and the damping of the smallest and the largest level."""
+    """Return in sentences mass, natural frequency and damping ratio, and the damping of the smallest and the largest
+    level.   shown : whether to state the numbers of the first sentence."""
     sentences, m = list[str](), found.mass
     if rig := [of for of in numbers(found) if of.symbol in found.oscillator]:
         given = " as given" * (not found.mass_error > _ROUNDING * m)
@@ -367,11 +369,16 @@ def damping_of(found: Result[Any], shown: bool = True) -> list[str]:
     return sentences
 
 
+def with_ties(text: str) -> str:
+    """Return text whose lines do not break between a number, its sign and its unit, or before a quotation."""
+    return re.sub(r"(?<=[\d=±<>]) (?=\S)| (?=[=\"])", "\N{NO-BREAK SPACE}", text)
+
+
 def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
-    """Return lines broken at a width, if there is one, but not before a unit or a quotation."""
+    """Return lines broken at a width, if there is one."""
     broken: list[str] = []
     for line in lines:
-        tied = re.sub(r"(?<=[\d=±<>]) (?=\S)| (?=[=\"])", "\N{NO-BREAK SPACE}", line)
+        tied = with_ties(line)
         indent = "  " * line.startswith(("- ", "* "))
         pieces = textwrap.wrap(
             tied,
@@ -385,7 +392,7 @@ def wrapped(lines: Iterable[str], width: int | None) -> list[str]:
 
 
 def weights(found: Result[Any]) -> list[tuple[str, ...]]:
-    """Return a line for each model that was weighed: what it has beyond the plain one, and of what size."""
+    """Return the table of the weighed models, heads first: what each adds to the plain oscillator, weight and size."""
     if len(found.weighed) < 2:
         return []
     lines = [
@@ -396,9 +403,13 @@ def weights(found: Result[Any]) -> list[tuple[str, ...]]:
 
 
 def laws_table(found: Result[Any], most: int | None = None) -> list[tuple[str, ...]]:
-    """Return each law of a comparison with its weight and coefficients, a line each below a line of heads.   most : of
-    them, the heaviest; default, all."""
-    laws = found.laws.laws if found.laws else ()
+    """Return the table of compared damping laws, heads first, with weights and coefficients.
+
+    most : lines for single laws, the heaviest; by default all.
+    """
+    if found.laws is None:
+        return []
+    laws = found.laws.laws
     lines: list[tuple[str, ...]] = [("law", "weight", "coefficients ± standard error")]
     for one in laws[:most]:
         values = ", ".join(
@@ -412,22 +423,16 @@ def laws_table(found: Result[Any], most: int | None = None) -> list[tuple[str, .
     return lines
 
 
-def comparison(found: Result[Any], most: int | None = None) -> list[Block]:
-    """Return what follows from a comparison of laws, and the table of them."""
-    if found.laws is None:
-        return []
-    return [Block(found.in_sentences(found.laws.findings), table=laws_table(found, most))]
-
-
 def implied(fit: OscillatorFit, given_mass: float | None = None) -> list[Finding]:
-    """Return what a fit implies about the mass that is given, to compare; none where it is not, or the fit takes it."""
+    """Return the finding that compares the mass of a fit with the stated one; none if the fit holds it or none is
+    stated."""
     if given_mass is None or fit.error("m") < _ROUNDING * fit.m:
         return []
     return [Finding("masses", {"masses": (fit.m, given_mass)})]
 
 
 def value_of(parameter: ParameterEstimate) -> str:
-    """Return "1.2807", the value alone; "> 30000" for a lower limit, a dash for none."""
+    """Return the value alone, "1.2807"; a lower limit as "> 30000", a missing value as a dash."""
     value, (low, high) = parameter.value, parameter.interval
     if math.isfinite(low) and not math.isfinite(high):
         return f"> {rounded(low, low)}"
@@ -437,7 +442,7 @@ def value_of(parameter: ParameterEstimate) -> str:
 
 
 def interval_of(parameter: ParameterEstimate) -> str:
-    """Return "[1.2784, 1.2831]", the interval alone; a dash where an end is not known."""
+    """Return the interval alone, "[1.2784, 1.2831]"; a dash if an end is not known."""
     if not all(map(math.isfinite, (parameter.value, *parameter.interval))):
         return "–"
     low, high = parameter.interval

@@ -34,10 +34,8 @@ def stiffness(
 ) -> Figure:
     """Return the stiffness against the amplitude: (F/X) cos φ + mω² of each line (dots, darker at higher levels), with
     the mass m of the first contact, and the law of each contact at the median frequency, with its band of 95 %."""
-    m, look = (
-        next(iter(fits.values())).value("m"),
-        {"ylabel": f"stiffness ({coordinate.unit('N/mm')})"},
-    )
+    m = next(iter(fits.values())).value("m")
+    look = {"ylabel": f"stiffness ({coordinate.unit('N/mm')})"}
 
     def of(X: Array, omega: Array | float, Z: Complexes) -> Array:
         return np.asarray(1e-3 * (Z.real + m * omega**2))

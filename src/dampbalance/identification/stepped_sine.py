@@ -53,17 +53,19 @@ if TYPE_CHECKING:
 
     from ..records.measured import RecordLike
 
-_FELT = 0.01  # of k: a part of the contact that sticks, and is worth a sentence
+_FELT = 0.01  # of k: stiffness of the sticking part of the contact from which on it is reported
 _CONTACTS: tuple[Contact, ...] = ("one slider", "gradual")
 _WORDS = {"none": "no contact", "gradual": "a contact that yields gradually"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SteppedBasis:
-    """What the answers to tables of steady responses rest on.
+    """The data and fits behind the answers to tables of a stepped sine.
 
-    lines : of all tables.   table_of : index of the table that each belongs to, (n,).   fits : of each contact, by
-    name, the one to use first.   compared : which of them the lines support, where there are levels enough.
+    lines : of all tables.
+    table_of : index of the table of each line, (n,).
+    fits : of each contact, by name, the one to use first.
+    compared : which contact the lines support; None with fewer than three levels.
     """
 
     lines: StiffnessLines
@@ -75,12 +77,8 @@ class SteppedBasis:
     mass_tests: ClassVar[bool] = False
     columns: ClassVar[Mapping[str, Column]] = {}
 
-    def _of_mode(self, found: Result[Any]) -> StiffnessLines:
-        """Return the lines without what other modes add to them, by the fit of the answer."""
-        return _of_mode(self.lines, self.fits[found.answer.name])
-
     def document(self, found: Result[Any]) -> dict[str, Any]:
-        """Return the contact that the lines support, the sliders of each, and the tables."""
+        """Return the entries of the document for a stepped sine: the supported contact, the sliders, the tables."""
         compared: dict[str, Any] = {}
         if (of := self.compared) is not None:
             compared = {
@@ -101,8 +99,9 @@ class SteppedBasis:
 
     def levels(self, found: Result[Any]) -> list[Level]:
         """Return the line of each level whose phase is nearest to 90°."""
-        of, sliders, levels = self._of_mode(found), self.fits[found.answer.name].sliders, []
-        W, friction = math.pi * of.X**2 * of.Z.imag, sliders.loss(of.X)
+        fit, levels = self.fits[found.answer.name], []
+        of = _of_mode(self.lines, fit)
+        W, friction = math.pi * of.X**2 * of.Z.imag, fit.sliders.loss(of.X)
         for level, name in enumerate(of.names):
             (own,) = np.nonzero(of.level == level)
             at = own[np.argmax(np.sin(np.angle(of.Z[own])))]
@@ -111,8 +110,8 @@ class SteppedBasis:
         return levels
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
-        """Return the numbers of an answer from lines with a fault, whatever is given staying as it is. The force of a
-        base that moves follows the stiffness."""
+        """Return the numbers of an answer from lines with a fault; stated numbers are held. The force of a base that
+        moves is proportional to the stiffness."""
         fit, of = self.fits[name], self.lines
         lag, k, X = fault.late * of.omega + fault.angle, 1.0 + fault.stiffness, 1.0 + fault.response
         by_force = np.array(["force" in table.quantities for table in found.records])[self.table_of]
@@ -128,7 +127,8 @@ class SteppedBasis:
         """Return the energy lost per cycle and the in-phase stiffness over the amplitude, and the sliders."""
         from . import stepped_pictures as drawn  # slow to import
 
-        of, fits = self._of_mode(found), {name: self.fits[name] for name in found.approaches}
+        fits = {name: self.fits[name] for name in found.approaches}
+        of = _of_mode(self.lines, fits[found.answer.name])
         return {
             "loss": Picture(drawn.loss, (of, fits)),
             "stiffness": Picture(drawn.stiffness, (of, fits)),
@@ -137,16 +137,16 @@ class SteppedBasis:
 
 
 def damping_at(found: Result[SteppedBasis], X: ArrayLike, frequency_hz: ArrayLike) -> pd.DataFrame:
-    """Return the equivalent damping ratio that a stepped sine implies at amplitudes, with its interval.
+    """Return the equivalent damping ratio at given amplitudes, as identified from a stepped sine, with its interval.
 
         ζ(X) = W(X)/(2π m ω² X²)
 
-    W(X) is the energy that the identified law loses in a cycle. Use it to predict a decay, or in a linear model of
-    the structure at a known amplitude. Columns: X_m, damping_ratio, low and high; NaN beyond the amplitudes that
-    were measured, where nothing is known of the contact.
+    W(X) is the energy that the identified contact and damping lose in a cycle. Use the ratio to predict a decay, or in
+    a linear model of the structure at a known amplitude. The table has the columns X_m, damping_ratio, low and high
+    (95 % interval), which are NaN outside of the measured amplitudes.
 
-    found : of a stepped sine.   X : amplitudes, m, (n,).   frequency_hz : at which the structure swings, Hz, (n,) or
-    one.
+    found : result of `identify_joint`.   X : amplitudes, m, (n,).   frequency_hz : frequency of the motion, Hz, (n,) or
+    a single one.
 
     >>> import math
     >>> import numpy as np
@@ -194,17 +194,20 @@ def identify_joint(
     residual: bool = False,
     **unknown: Never,
 ) -> Result[SteppedBasis]:
-    """Identify the contact and the damping of a joint from tables of a stepped sine: a line for each steady response,
-    with its frequency, amplitudes and phase, at two levels of excitation at least, in one table or several.
+    """Identify the contact and the damping of a joint from tables of a stepped sine.
 
-    records : as `read_records` returns or takes them.
-    stiffness : k of the spring, N/m, as for `identify_forced`; tables of responses to a force do without.
-    mapping : what the tables do not say of their columns, where they are read here.
+    Use it for the frequency responses of a bolted joint, a damper or a blade root near a resonance, measured at several
+    levels of excitation. Each line of a table is a steady response with its frequency, amplitudes and phase. Two levels
+    are needed, and three to find out whether one slider is enough.
+
+    records : as `read_records` takes or returns them, one table or several.
+    stiffness : k of the spring, N/m, as for `identify_forced`; needed only if a base drives, not a force.
+    mapping : the meaning of columns whose names do not give it, see `read_records`.
     The options of the signature, which `help` describes.
 
-    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
-    that is outside its range, records that are no such tables, fewer than two levels, lines that do not determine the
-    unknowns.
+    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: for an
+    argument outside its range, other records than such tables, fewer than two levels, and lines that do not determine
+    the unknowns.
 
     >>> import math
     >>> import numpy as np
@@ -332,8 +335,7 @@ def _answer(
     compared: ContactComparison | None,
     k_error: float,
 ) -> Answer:
-    """Return the answer of a contact: its numbers, and its rows of the balance, without what other modes add to
-    them."""
+    """Return the answer of a contact: its numbers, and the rows of the balance without the part of other modes."""
     notes, of = [*_on_stiffness(fit, k_error)], _of_mode(lines, fit)
     if compared is not None and name != compared.supported:
         notes.append(Finding("another contact", {"contact": compared.supported}, UNBOUNDED))
@@ -381,7 +383,7 @@ _SPRING_UNITS = {"k": "N_per_m", "m": "kg", "k_3": "N_per_m3", "R": "m_per_N"}
 
 
 def _of_mode(lines: StiffnessLines, fit: ContactFit) -> StiffnessLines:
-    """Return the lines without what other modes add to them, by a fit."""
+    """Return the lines without the part of other modes, according to a fit."""
     return lines.of_mode(fit.value("R") if "R" in fit.parameters else 0.0)
 
 

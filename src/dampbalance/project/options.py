@@ -1,10 +1,9 @@
 """The options of an identification: one table, a row for each option.
 
 The documentation of signatures, `dampbalance identify --help`, the keys of a configured set of records with their
-schema, the refusal of an option that does not apply to a kind of records, and the `options` of a document come from it.
-
-The functions that identify write their options out in their signatures, where editors, type checkers and `help` find
-them: `tests/identification/test_identified.py` compares names, types and defaults with the table.
+schema, the refusal of an option that does not apply to a kind of records, and the `options` of a document derive from
+it. The signatures themselves are written out for editors, type checkers and `help`;
+`tests/identification/test_identified.py` compares their names, types and defaults with the table.
 """
 
 from __future__ import annotations
@@ -38,11 +37,12 @@ _FORMS = {
 class Option:
     """A row of the table.
 
-    name, kinds : its name, and the kinds of records that take it.
+    name : of the argument.
+    kinds : the kinds of records to which it applies.
     type, default : of the argument.
-    words : what the option is.
+    words : its description.
     bounds : of a number.
-    uncertainty : relative standard uncertainty of a number that states none.
+    uncertainty : relative standard uncertainty of a number that is stated without one.
     """
 
     name: str
@@ -55,7 +55,7 @@ class Option:
 
     @property
     def form(self) -> str:
-        """Form of its value: how it is read, from a call, a command line or a configuration."""
+        """Form of its value, by which a call, the command line and a configuration read it."""
         return _FORMS.get(self.type, "choice")
 
     @property
@@ -75,7 +75,7 @@ class Option:
         return self.key.replace(self.name, f"{self.name}_standard_error") * (self.form == "stated")
 
     def misplaced(self, kind: str) -> str:
-        """Return the reason why the option does not apply to a kind of records; "" where it does."""
+        """Return why the option does not apply to a kind of records; "" if it does."""
         if kind in self.kinds:
             return ""
         kinds = listed([IN_WORDS[one] for one in self.kinds], "or")
@@ -89,10 +89,10 @@ IN_WORDS = {
     "loops": "measured loops",
     "friction-speed": "friction at steady speeds",
 }
-"""Kinds of records, as messages call them."""
+"""Kind of records → its name in messages."""
 
 IN_TIME = "forced", "ring-down"
-"""Kinds of records in time, of an oscillator whose stiffness or mass is given."""
+"""Kinds that are time histories of an oscillator, and need its stiffness or mass."""
 
 _FORCED, _DECAYS, _SINE, _LOOPS, _SPEEDS = ((kind,) for kind in IN_WORDS)
 _OF_OSCILLATOR = _FORCED + _DECAYS + _SINE
@@ -147,18 +147,20 @@ OPTIONS = {of.name: of for of in _ROWS}
 
 
 def options_of(arguments: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options among the arguments of a function that identifies, `locals()` before any other name is there,
-    and what it was given besides as `unknown`."""
+    """Return the options among the arguments of a function that identifies, including those in `unknown`.
+
+    arguments : `locals()`, before any other name is assigned.
+    """
     named = {name: value for name, value in arguments.items() if name in OPTIONS}
     return {**named, **arguments["unknown"]}
 
 
 def asked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options that are not at their defaults, at which any may be given for any kind of records.
+    """Return the options that differ from their defaults; an option at its default is accepted for every kind.
 
-    kind : of the records, or "recognised", for which each option may be right.
+    kind : of the records, or "recognised", to which every option may apply.
 
-    Raises TypeError for a name that no option has, ValueError for an option that does not apply to the kind.
+    Raises TypeError for an unknown name, ValueError for an option that does not apply to the kind.
     """
     given = {}
     for name, value in options.items():
@@ -175,11 +177,11 @@ def asked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 _DESCRIBED = "The options of the signature, which `help` describes."
-"""Sentence of a docstring in whose place the options are described, so that each text stands in the table alone."""
+"""Sentence of a docstring that `with_options` replaces by the descriptions of the options."""
 
 
 def with_options(function: Function) -> Function:
-    """Decorate a function that identifies: its docstring has a line for each option that its signature adds."""
+    """Decorate a function that identifies: add a line for each option of its signature to its docstring."""
     own = [OPTIONS[n] for n in inspect.signature(function).parameters if n in OPTIONS]
     lines = [
         f"{of.name} : {', '.join(filter(None, (of.unit, of.words)))}."
@@ -198,7 +200,7 @@ def with_options(function: Function) -> Function:
 
 
 def schema_of_options(forms: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the JSON schema of each key of a configured set of records that says what is identified, and how.
+    """Return the JSON schema of the keys of a configured set of records that set options.
 
     forms : form of a value → its schema.
     """
@@ -222,8 +224,8 @@ def schema_of_options(forms: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def contradictions(settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield each key of a set of records that does not fit the others, and why: it does not apply to the kind, is
-    an uncertainty without its number, or is a stiffness that is missing."""
+    """Yield each key of a set of records that contradicts the others, with the reason: an option that does not apply to
+    the kind, an uncertainty without its number or above it, or a missing stiffness."""
     kind = settings.get("kind", "forced")
     stated = {key: value for key, value in settings.items() if value is not None}
     for of in OPTIONS.values():
@@ -240,8 +242,8 @@ def contradictions(settings: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def configured(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of `identify` that a set of records in a configuration states, except the records; they are
-    forced unless it states another kind."""
+    """Return the arguments of `identify` for a configured set of records, except the records themselves; the kind is
+    "forced" unless the set states another."""
     arguments = {"kind": settings.get("kind", "forced")}
     for of in OPTIONS.values():
         value, error = settings.get(of.key), settings.get(of.error_key)

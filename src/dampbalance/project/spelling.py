@@ -34,5 +34,5 @@ def spelled(name: str, value: str = "") -> str:
 
 
 def everything() -> str:
-    """Return what shows all of a result."""
-    return "--details" if _IN_A_SHELL.get() else "its method text"
+    """Return what shows everything of a result."""
+    return "--details" if _IN_A_SHELL.get() else "the text method"

@@ -6,7 +6,7 @@ import difflib
 import math
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -202,26 +202,30 @@ def label_with_unit(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit_text(unit) else name
 
 
-def plain_text(text: str) -> str:
-    """Return text with its symbols in plain characters, for axis titles: X_s becomes Xₛ, phi becomes φ."""
+def _symbols(text: str, form: Callable[[str, str], str]) -> str:
+    """Return text with its symbols in another form.   form : of a name, φ, and its index, "" if it has none."""
 
     def symbol(match: re.Match[str]) -> str:
-        name = GREEK.get(match[1]) or match[3]
-        index = match[2] or match[4] or ""
-        lowered = index.translate(_LOWERED)
-        return name + (lowered if lowered != index or not index else f"_{index}")
+        return form(GREEK.get(match[1]) or match[3], match[2] or match[4] or "")
 
     return SYMBOL.sub(symbol, text)
 
 
+def plain_text(text: str) -> str:
+    """Return text with its symbols in plain characters, for axis titles: X_s becomes Xₛ, phi becomes φ."""
+
+    def form(name: str, index: str) -> str:
+        lowered = index.translate(_LOWERED)
+        return name + (lowered if lowered != index or not index else f"_{index}")
+
+    return _symbols(text, form)
+
+
 def in_html(text: str) -> str:
     """Return text as HTML, its symbols set: X_s becomes an italic X with a lowered s, phi an italic φ."""
-
-    def symbol(match: re.Match[str]) -> str:
-        name, index = GREEK.get(match[1]) or match[3], match[2] or match[4]
-        return f"<i>{name}</i>" + (f"<sub>{index}</sub>" if index else "")
-
-    return SYMBOL.sub(symbol, escape(text))
+    return _symbols(
+        escape(text), lambda name, i: f"<i>{name}</i>" + (f"<sub>{i}</sub>" if i else "")
+    )
 
 
 def shortened(value: object, most: int = 60) -> str:

@@ -1,14 +1,10 @@
 """Figures 1–3, the error of every estimate against the level of excitation, and the picture of the match."""
 
-from dampbalance.figures import (
-    ALT,
-    estimation_error,
-    figure3,
-    friction_velocity_loop,
-    save,
-    schematic,
-)
-from dampbalance.figures.style import save_svg
+from dampbalance.figures import ALT
+from dampbalance.figures.cycle import figure3, friction_velocity_loop
+from dampbalance.figures.error_levels import estimation_error
+from dampbalance.figures.schematic import schematic
+from dampbalance.figures.style import save, save_svg
 from dampbalance.motion.orbit import read_orbits
 from dampbalance.project.case import Case
 from dampbalance.project.files import read_csv, read_routes
