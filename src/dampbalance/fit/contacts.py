@@ -263,7 +263,7 @@ def _asked(
 
 
 def _require_told(name: str, stiffness: float | None) -> None:
-    """Raise ValueError for a term that lines do not tell."""
+    """Raise ValueError for a term that lines cannot determine."""
     of = term(name)
     if of.force is None:
         raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
@@ -367,9 +367,9 @@ def _fit(problem: StiffnessProblem) -> ContactFit:
 
 @dataclass(frozen=True, eq=False)
 class ContactComparison:
-    """Contacts weighed by stepped lines.
+    """Contacts compared on lines of dynamic stiffness.
 
-    fits : by name, the simplest first.   selection : their weights, and numbers averaged over them.
+    fits : by name, one slider first.   selection : their weights, and the numbers averaged over them.
     """
 
     fits: Mapping[str, ContactFit]
@@ -382,7 +382,7 @@ class ContactComparison:
 
     @property
     def supported(self) -> str:
-        """Name of the heaviest."""
+        """Name of the contact with the largest weight."""
         return max(self.weights, key=self.weights.__getitem__)
 
 
@@ -390,9 +390,10 @@ class ContactComparison:
 def compare_contacts(
     lines: StiffnessLines, *, terms: Sequence[str] = ("c",), **options: Any
 ) -> ContactComparison:
-    """Weigh no contact, with damping up to a cubic one, a single slider and a gradual contact by their evidence.
+    """Compare one slider, a gradual contact and no contact, each with further damping, too, by their evidence.
 
-    Use it before an answer is taken from stepped lines: its numbers hold what the lines do not tell apart.
+    Use it before taking an answer from stepped lines: its numbers are averages over the contacts that the lines cannot
+    distinguish.
 
     Arguments as for `fit_contact`. Raises ValueError for fewer than three levels.
     """

@@ -21,7 +21,7 @@ class LinearFit(NamedTuple):
 
     k : N/m.   chi_square, freedom : χ² and its degrees of freedom.
     contact, contact_error : stiffness K of a contact that only sticks, N/m, with its standard error, infinite where the
-    records do not tell it from the inertia.   by_mass : change of K with the mass that is given, (rad/s)².
+    records cannot separate it from the inertia.   by_mass : derivative of K by the mass that is given, (rad/s)².
     """
 
     k: float
@@ -33,7 +33,7 @@ class LinearFit(NamedTuple):
 
     @property
     def sticks(self) -> bool | None:
-        """Whether there is a contact, which only sticks; None where the records do not tell it from none."""
+        """Whether there is a contact that only sticks; None where the records cannot decide."""
         if self.contact**2 > SHOWS * self.contact_error**2:
             return self.contact > 0.0
         # no contact of a rig is softer than its spring
@@ -99,14 +99,14 @@ def linear_fit(
 
 
 def improbable(chi_square: float, freedom: float, lines: Sequence[RecordHarmonics]) -> bool:
-    """Return whether noise makes a χ² as large as this hardly ever (`P_OF_THE_MODEL`)."""
+    """Return whether noise hardly ever makes χ² this large (`P_OF_THE_MODEL`)."""
     return probability(chi_square, freedom, lines) < P_OF_THE_MODEL
 
 
 def probability(chi_square: float, freedom: float, lines: Sequence[RecordHarmonics]) -> float:
-    """Return the probability of a χ² as large as this in noise; 1 without freedom.
+    """Return the probability that noise makes χ² at least this large; 1 without degrees of freedom.
 
-    The errors come from a number of rows, and so it has an F distribution.
+    χ² per degree of freedom has an F distribution, since the errors come from the scatter of a number of rows.
     """
     if freedom < 1:
         return 1.0

@@ -280,11 +280,11 @@ def steady_orbit(
 ) -> Orbit:
     """Return the exact steady response to harmonic base motion, in any regime.
 
-    most_radians : of the fastest motion of the oscillator, that are followed in search of an orbit with several slips
-    per half cycle; the default takes seconds. Choose fewer where an orbit that takes long is not worth the wait.
+    most_radians : largest number of radians of the oscillator's fastest motion that are followed in search of an orbit
+    with several slips per half cycle; the default takes seconds. Choose fewer to give up earlier.
 
     Raises NoSteadyOrbit where there is none (an undamped oscillator driven at resonance, with F_k < πkY/4) or none was
-    found, ValueError for what is no oscillator and no motion.
+    found, ValueError for arguments that are not an `Oscillator` and a `BaseMotion`.
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, steady_orbit

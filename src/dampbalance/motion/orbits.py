@@ -168,17 +168,19 @@ def steady_orbits(
 ) -> Orbits:
     """Compute the exact steady responses of all combinations that the arguments broadcast to, in any regime.
 
-    oscillator : where only the excitation varies, as for `steady_orbit`; numbers of it that vary, too, are given by
-    name and replace its own. Without one, all of them are given.
+    Use it for thousands of cases or more, and `steady_orbit` for one.
+
+    oscillator : as for `steady_orbit`; parameters that are given by name replace its own. Without an oscillator, give
+    all of them by name.
     Y : amplitude of the base, m.   omega : of the drive, rad/s.   m : kg.   c : N s/m.   k, K_z : N/m.   F_k : N.
     threads : default, the cores this process may use. The result does not depend on the number of threads.
-    device : "cuda" solves on an NVIDIA GPU, with the package's extra `cuda`, what has a closed form; the rest, cases
-    with several slip onsets, is solved by the processor. It pays from some 10⁶ cases on.
+    device : "cuda" solves the cases that have a closed form on an NVIDIA GPU, which needs the package's extra `cuda`,
+    and those with several slip onsets on the processor. Choose it for a million cases or more.
     fetch : False leaves features and regimes on the device, as arrays that CuPy and PyTorch take.
 
-    Raises RuntimeError for a device that is not there, and ValueError (naming the argument and the first offending
-    value) for a value that `Oscillator` refuses, masked or missing ones among them, for anything but numbers, and for
-    shapes that do not broadcast.
+    Raises RuntimeError for a device that is not available, and ValueError, naming the argument and the first offending
+    value, for anything that is not a number, masked or missing values, values that `Oscillator` refuses, and shapes
+    that do not broadcast.
 
     >>> import math
     >>> from dampbalance import Oscillator, Regime, steady_orbits
