@@ -12,10 +12,10 @@ from scipy import integrate, stats
 from dampbalance.fit.score import departures_from
 from dampbalance.fit.select import (
     CLEAR,
-    PRIORS,
     Candidate,
     Prior,
     bayes_factor,
+    evidence_of,
     noise_of,
     select,
 )
@@ -85,6 +85,9 @@ def test_a_bayes_factor_is_the_ratio_of_two_integrals(positive, value, error):
     # to the accuracy of the quadrature
     expected = math.log(moment(0) / stats.norm.pdf(0.0, value, error))
     assert factor == pytest.approx(expected, abs=1e-6)
+    of_one = np.array([value]), np.array([[error**2]]), [prior.size]
+    several = evidence_of(value**2 / error**2, *of_one, positive=positive)
+    assert several == pytest.approx(factor, rel=1e-12, abs=1e-12)
     assert mean == pytest.approx(moment(1) / moment(0), rel=1e-6)
     assert variance == pytest.approx(moment(2) / moment(0) - mean**2, rel=1e-5)
 
@@ -138,7 +141,3 @@ def test_what_no_model_explains_scales_the_errors():
     assert found.covariance[0, 0] >= found.noise * rough.covariance_of("level")[0, 0]
     # a departure is there for certain, and the plain model has no better a claim than all candidates
     assert found.models[0].share == pytest.approx(sum(one.share for one in found.models[1:]))
-
-
-def test_the_rig_that_departs_from_nothing_is_always_the_likelier_one():
-    assert all(0.0 < prior.share < 0.5 for prior in PRIORS.values())

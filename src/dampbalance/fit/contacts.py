@@ -225,7 +225,7 @@ def _asked(
     alike, largest = high < _ALIKE * low, float(np.abs(lines.Z).max())
     if contact != "none" and alike:
         raise ValueError(
-            f"the amplitudes of all lines are alike, {low:.4g} to {high:.4g} m, and a contact shows only in changes "
+            f"all lines have nearly the same amplitude, {low:.4g} to {high:.4g} m, and a contact shows only in changes "
             "with the amplitude: add levels of excitation"
         )
     for name in terms:
@@ -399,8 +399,8 @@ def compare_contacts(
     """
     if len(lines.names) < _COMPARED:
         raise ValueError(
-            f"contacts are compared over levels, and there are {len(lines.names)}: add levels of excitation, "
-            f"{_COMPARED} at least, or ask for one contact"
+            f"a comparison of contacts needs {_COMPARED} levels of excitation or more, got {len(lines.names)}: "
+            "add levels, or ask for one contact"
         )
     more = [name for name in ("c_2", "c_3") if name not in terms]
     damping = [(*terms, *more[:count]) for count in range(len(more) + 1)]
