@@ -45,5 +45,5 @@ def jackknifed(left: Sequence[Array]) -> Array:
 def welch_satterthwaite(variances: Array, freedoms: ArrayLike) -> float:
     """Return the degrees of freedom of a sum of independent variances v_i with f_i degrees of freedom each,
     (Σ v_i)²/Σ v_i²/f_i; infinite where all are zero."""
-    spread = float(np.sum(variances**2 / freedoms))
+    spread = float(np.sum(variances**2 / np.asarray(freedoms)))
     return float(np.sum(variances)) ** 2 / spread if spread > 0.0 else math.inf
