@@ -14,6 +14,7 @@ from ..law.terms import term
 from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95
+from .nuisances import base_of
 
 
 class LinearFit(NamedTuple):
@@ -59,9 +60,7 @@ def linear_fit(
     rows: list[Complexes] = []
     chi_square = 0.0
     for one in lines:
-        y = np.zeros(2 * one.n.size, dtype=np.complex128)
-        y[1], y[2 : one.base.size + 2] = one.Y, one.base[: y.size - 2]
-        y = y[one.n]
+        y = base_of(one)
         driven = one.clear & (y != 0.0)
         chi_square += float(np.sum(np.abs(one.x / one.x_error)[~driven] ** 2))
         relative = one.x_error[driven] / np.abs(one.x[driven])

@@ -77,17 +77,17 @@ def in_other_frame(one: RecordHarmonics) -> RecordHarmonics:
     """Return the harmonics of a response that is relative to the base and was taken for absolute, or the other way
     round, without that error."""
     sign = -1.0 if one.of_base else 1.0
-    return replace(one, x=one.x + sign * _base(one), of_base=1.0 - one.of_base)
+    return replace(one, x=one.x + sign * base_of(one), of_base=1.0 - one.of_base)
 
 
 def with_gain(one: RecordHarmonics, gain: float) -> RecordHarmonics:
     """Return the harmonics with the response multiplied by a gain in the frame in which it was measured."""
-    added = one.of_base * _base(one)
+    added = one.of_base * base_of(one)
     x = gain * (one.x - added) + added
     return replace(one, x=x, x_error=abs(gain) * one.x_error)
 
 
-def _base(one: RecordHarmonics) -> Complexes:
+def base_of(one: RecordHarmonics) -> Complexes:
     """Return the harmonics of the base at the orders of those of the response, m."""
     y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
     y[1], y[2 : one.base.size + 2] = one.Y, one.base

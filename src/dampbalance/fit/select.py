@@ -178,10 +178,6 @@ class Selection:
         own = [w for model, w in zip(self.models, self.weights, strict=True) if model.name == name]
         return 1.0 if name in self.departures else math.fsum(own)
 
-    def speaks_for(self, name: str) -> bool:
-        """Return whether the records speak for a model by a factor of e, which then has a weight above `REFITTED`."""
-        return self.evidence(name) > 1.0 and self.weight(name) > REFITTED
-
     def evidence(self, name: str) -> float:
         """Return ln of the Bayes factor of a model by name."""
         return next(one.evidence for one in self.models if one.name == name)
@@ -264,14 +260,13 @@ def select(
     while True:
         found = _weighed(fit, known, fits, keys, noise, departures)
         left = [one for one in known if one.name not in fits and one.name not in failed]
-        asked = [one for one in left if found.speaks_for(one.name)]
+        # those for which the records speak by a factor of e
+        likely = [one for one in left if found.evidence(one.name) > 1.0]
+        asked = [one for one in likely if found.weight(one.name) > REFITTED]
         # far from the data the first order is no guide to which of the likeliest explains them
-        if (
-            not asked
-            and len(fits) < _MOST_FAR
-            and noise_of(found.fit.chi_square, found.fit.freedom) > 1.0
-        ):
-            asked = [one for one in left if found.evidence(one.name) > 1.0]
+        far = noise_of(found.fit.chi_square, found.fit.freedom) > 1.0
+        if not asked and far and len(fits) < _MOST_FAR:
+            asked = likely
         if not asked:
             break
         one = max(asked, key=lambda one: found.evidence(one.name))
