@@ -127,8 +127,8 @@ class ContactFit(Fit):
         return np.asarray(by @ self.covariance @ by.T + np.outer(hidden, hidden))
 
     def interval(self, key: str) -> tuple[float, float]:
-        """Return the 95 % interval of a number, in its unit. The upper end of K_z is infinite where lines tell only a
-        lower limit."""
+        """Return the 95 % interval of a number, in its unit. The upper end of K_z is infinite where the lines give only
+        a lower limit."""
         if key == "K_z" and self.problem.contact == "one slider":
             low, high = self.interval("rho")
             return high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
@@ -138,8 +138,8 @@ class ContactFit(Fit):
         """Return the dynamic stiffness by the law at amplitudes X, m, and angular frequencies, rad/s, and half of the
         intervals of 95 % of its real and its imaginary part, N/m, (n,) each: πX² Im Z is the loss per cycle.
 
-        At ω = 0 the error of the real part is mostly that of k. Lines near a resonance tell k and mω² far less well
-        than their difference: at the resonance the interval shows how well the change with X is known.
+        At ω = 0 the error of the real part is mostly that of k. Lines near a resonance determine k and mω² far less
+        well than their difference: at the resonance the interval shows how well the change with X is known.
 
         Raises ValueError outside of the amplitudes seen.
         """
@@ -349,8 +349,8 @@ def _candidate(name: str, fit: ContactFit, plain: ContactFit, prior: str) -> Can
 
 
 def _fit(problem: StiffnessProblem) -> ContactFit:
-    """Return the fit where the unknowns of a problem are. What a wrong contact leaves is alike in all lines of a level:
-    its levels are then the values that are independent."""
+    """Return the fit where the unknowns of a problem are. The residual of a wrong contact is similar in all lines of a
+    level, so that only the levels count as independent."""
     values, level = problem.start.values, problem.lines.level
     left, unknowns = problem.residual(values), problem.unknowns(values)
     of_levels = np.array([np.bincount(level, part) for part in left.reshape(2, -1)])

@@ -53,8 +53,8 @@ STATE = ("x", "v", "w")
 """The unknowns of a start state: x, ẋ and the preload w."""
 
 FALLS = (0.1, 0.03, 0.3)
-"""Speeds over which friction falls, relative to the largest one, that a search tries: bearings and slides are said to
-fall within the slowest tenth. Between two of them the motion hardly differs."""
+"""Speeds over which friction falls, relative to the largest one, that a search tries: the friction of bearings and
+slides is said to fall within the slowest tenth. The motion hardly differs from one of these speeds to the next."""
 
 FRICTION_FORCE = "F_k"
 _LEVEL = "offset"

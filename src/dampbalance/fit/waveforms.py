@@ -50,10 +50,10 @@ NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
 
 MOST_RADIANS_SEARCHED = 5e5
-"""Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
+"""Radians of the fastest motion that are followed in search of one orbit: a quarter of a second of computing."""
 
 # Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
-# late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
+# late: that shows only where the noise is below 10⁻⁶ of the motion.
 STIFFEST = 1e10
 # Turns of the fastest motion, which cost as much as the rest of an evaluation.
 TURNS_PER_EVALUATION = 200.0
