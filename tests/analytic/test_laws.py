@@ -124,8 +124,8 @@ def test_forces_lengths_and_times_scale(zeta, r, K, F, length, rate):
     factors |= {"a": length, "b": length * speed, "W": length**2}
     factors |= {"X_1": length, "phi_1": 1.0}
     for name, factor in factors.items():
-        # 1e-11: what is promised; X_s may pass through zero and is held to X
-        floor = 1e-11 * length * first.X if name == "X_s" else 0.0
+        # 1e-11: what is promised; X_s may pass through zero and is held to X, a phase to the radian
+        floor = 1e-11 * {"X_s": length * first.X, "phi": 1.0, "phi_1": 1.0}.get(name, 0.0)
         np.testing.assert_allclose(
             getattr(second, name), factor * getattr(first, name), rtol=1e-11, atol=floor
         )

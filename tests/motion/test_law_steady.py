@@ -48,7 +48,6 @@ STATES = {
     "one slip": (replace(BARE, c=20.0), LAWS["all"]),
     "no slip": (replace(BARE, F_k=60.0), LAWS["c_3"]),
     "no friction": (replace(BARE, F_k=0.0), LAWS["c_2"]),
-    "linear terms": (PAPER, {"c_r": 10.0, "eta": 0.05}),
 }
 
 

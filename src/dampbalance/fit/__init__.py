@@ -1,1 +1,1 @@
-"""Data in, the oscillator of largest likelihood out; and the bound of what records can tell."""
+"""From data to the model of largest likelihood, with errors, for every kind of records; weights of rival models."""

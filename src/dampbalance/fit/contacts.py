@@ -127,8 +127,8 @@ class ContactFit(Fit):
         return np.asarray(by @ self.covariance @ by.T + np.outer(hidden, hidden))
 
     def interval(self, key: str) -> tuple[float, float]:
-        """Return the 95 % interval of a number, in its unit. The upper end of K_z is infinite where lines tell only a
-        lower limit."""
+        """Return the 95 % interval of a number, in its unit. The upper end of K_z is infinite where the lines give only
+        a lower limit."""
         if key == "K_z" and self.problem.contact == "one slider":
             low, high = self.interval("rho")
             return high**-2, (low**-2 if low > self.parameters["rho"].low else math.inf)
@@ -138,8 +138,8 @@ class ContactFit(Fit):
         """Return the dynamic stiffness by the law at amplitudes X, m, and angular frequencies, rad/s, and half of the
         intervals of 95 % of its real and its imaginary part, N/m, (n,) each: πX² Im Z is the loss per cycle.
 
-        At ω = 0 the error of the real part is mostly that of k. Lines near a resonance tell k and mω² far less well
-        than their difference: at the resonance the interval shows how well the change with X is known.
+        At ω = 0 the error of the real part is mostly that of k. Lines near a resonance determine k and mω² far less
+        well than their difference: at the resonance the interval shows how well the change with X is known.
 
         Raises ValueError outside of the amplitudes seen.
         """
@@ -225,7 +225,7 @@ def _asked(
     alike, largest = high < _ALIKE * low, float(np.abs(lines.Z).max())
     if contact != "none" and alike:
         raise ValueError(
-            f"the amplitudes of all lines are alike, {low:.4g} to {high:.4g} m, and a contact shows only in changes "
+            f"all lines have nearly the same amplitude, {low:.4g} to {high:.4g} m, and a contact shows only in changes "
             "with the amplitude: add levels of excitation"
         )
     for name in terms:
@@ -263,7 +263,7 @@ def _asked(
 
 
 def _require_told(name: str, stiffness: float | None) -> None:
-    """Raise ValueError for a term that lines do not tell."""
+    """Raise ValueError for a term that lines cannot determine."""
     of = term(name)
     if of.force is None:
         raise ValueError(f'{FRICTION} belongs to the contact: ask for contact="one slider"')
@@ -349,8 +349,8 @@ def _candidate(name: str, fit: ContactFit, plain: ContactFit, prior: str) -> Can
 
 
 def _fit(problem: StiffnessProblem) -> ContactFit:
-    """Return the fit where the unknowns of a problem are. What a wrong contact leaves is alike in all lines of a level:
-    its levels are then the values that are independent."""
+    """Return the fit where the unknowns of a problem are. The residual of a wrong contact is similar in all lines of a
+    level, so that only the levels count as independent."""
     values, level = problem.start.values, problem.lines.level
     left, unknowns = problem.residual(values), problem.unknowns(values)
     of_levels = np.array([np.bincount(level, part) for part in left.reshape(2, -1)])
@@ -367,9 +367,9 @@ def _fit(problem: StiffnessProblem) -> ContactFit:
 
 @dataclass(frozen=True, eq=False)
 class ContactComparison:
-    """Contacts weighed by stepped lines.
+    """Contacts compared on lines of dynamic stiffness.
 
-    fits : by name, the simplest first.   selection : their weights, and numbers averaged over them.
+    fits : by name, one slider first.   selection : their weights, and the numbers averaged over them.
     """
 
     fits: Mapping[str, ContactFit]
@@ -382,7 +382,7 @@ class ContactComparison:
 
     @property
     def supported(self) -> str:
-        """Name of the heaviest."""
+        """Name of the contact with the largest weight."""
         return max(self.weights, key=self.weights.__getitem__)
 
 
@@ -390,16 +390,17 @@ class ContactComparison:
 def compare_contacts(
     lines: StiffnessLines, *, terms: Sequence[str] = ("c",), **options: Any
 ) -> ContactComparison:
-    """Weigh no contact, with damping up to a cubic one, a single slider and a gradual contact by their evidence.
+    """Compare one slider, a gradual contact and no contact, each with further damping, too, by their evidence.
 
-    Use it before an answer is taken from stepped lines: its numbers hold what the lines do not tell apart.
+    Use it before taking an answer from stepped lines: its numbers are averages over the contacts that the lines cannot
+    distinguish.
 
     Arguments as for `fit_contact`. Raises ValueError for fewer than three levels.
     """
     if len(lines.names) < _COMPARED:
         raise ValueError(
-            f"contacts are compared over levels, and there are {len(lines.names)}: add levels of excitation, "
-            f"{_COMPARED} at least, or ask for one contact"
+            f"a comparison of contacts needs {_COMPARED} levels of excitation or more, got {len(lines.names)}: "
+            "add levels, or ask for one contact"
         )
     more = [name for name in ("c_2", "c_3") if name not in terms]
     damping = [(*terms, *more[:count]) for count in range(len(more) + 1)]

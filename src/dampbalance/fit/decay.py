@@ -5,7 +5,7 @@ From the start of a decay on, the base being at rest, the mass follows
     m ẍ + c ẋ + k x + f + (further terms) = 0,   ḟ = K_z ẋ within |f| ≤ F_k
 
 with x counted from the rest position of the spring (`motion.law_decays`); a pendulum has k sin x. c, ρ = K_z^{−1/2}
-and m are common to all decays, and so is F_k unless groups of decays have friction forces of their own: F_k is
+and m are common to all decays, and so is F_k unless groups of decays have separate friction forces: F_k is
 then their mean. Further terms are zero unless they are freed: another law is the same problem with other free unknowns.
 Each channel of a record has a separate offset, which for a displacement holds the rest position of the spring; each
 decay has its start state (x, ẋ, w), f = (w − 1) F_k with 0 ≤ w ≤ 2. The stiffness k is given.
@@ -53,8 +53,8 @@ STATE = ("x", "v", "w")
 """The unknowns of a start state: x, ẋ and the preload w."""
 
 FALLS = (0.1, 0.03, 0.3)
-"""Speeds over which friction falls, relative to the largest one, that a search tries: bearings and slides are said to
-fall within the slowest tenth. Between two of them the motion hardly differs."""
+"""Speeds over which friction falls, relative to the largest one, that a search tries: the friction of bearings and
+slides is said to fall within the slowest tenth. The motion hardly differs from one of these speeds to the next."""
 
 FRICTION_FORCE = "F_k"
 _LEVEL = "offset"
@@ -156,10 +156,10 @@ def offset_of(signal: Signal) -> str:
 
 @dataclass(frozen=True, eq=False)
 class DecayProblem:
-    """The samples of decays of one oscillator.
+    """Residuals of the samples of one oscillator's decays as functions of its unknowns: what is fitted.
 
     k : N/m.   band : in which the decays are fitted; None for all of it.   pendulum : whether the restoring torque is
-    k sin x.   slips : in which friction that fades does so.
+    k sin x.   slips : number of slips over which friction that fades does so.
     """
 
     decays: tuple[Decay, ...]
@@ -208,8 +208,8 @@ class DecayProblem:
         """Return the unknowns from values by key or by name, zero without one, and their limits about these: F_k, c
         and damping that grows with the speed are not negative.
 
-        free : names of those that a fit moves, of all that decays share. Start states and offsets always move, but for
-        the offsets in the band of the mode, which has none, and the preload of a contact that nothing tells.
+        free : names of those that a fit moves among all that decays share. Start states and offsets always move, except
+        the offsets in the band of the mode, which has none, and the preload of a contact that nothing determines.
         """
         k, unknowns = self.k, self._unknowns
         own = {key: values.get(key, values.get(name, 0.0)) for key, (name, _) in unknowns.items()}
@@ -505,8 +505,8 @@ class DecayFit(OscillatorFit):
     @cached_property
     def chance(self) -> float:
         """Probability that white noise leaves a residual as similar to a motion, in averages over parts of a cycle,
-        down to two samples, or in lines; 1 in the band of the mode, where what lies outside is none of the fit's
-        business."""
+        down to two samples, or in lines; 1 for a fit in the band of the mode, which does not describe what lies
+        outside."""
         if self.problem.band is not None:
             return 1.0
         channels = self.residuals()
@@ -518,7 +518,7 @@ class DecayFit(OscillatorFit):
 
     @property
     def adequate(self) -> bool:
-        """Whether the residual is white, so that such an oscillator may have made the records."""
+        """Whether the residual is white, so that the records may be those of such an oscillator."""
         return self.chance >= P_OF_THE_MODEL and self.loudness <= 1.0
 
     @property

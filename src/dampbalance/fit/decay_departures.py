@@ -15,20 +15,21 @@ from functools import partial
 
 import numpy as np
 
-from .decay import (
-    CORNER,
-    FALLS,
-    FRICTION_FORCE,
-    FURTHER,
-    SHARED,
-    DecayFit,
-    with_noise_of,
-)
+from .decay import CORNER, FALLS, FRICTION_FORCE, FURTHER, SHARED, DecayFit, with_noise_of
 from .fit import OscillatorFit
 from .multistart import climbs
 from .parameters import Parameters
 from .score import Departure, departures_from
-from .select import PRIORS, REFITTED, Candidate, Prior, Selection, bayes_factor, select
+from .select import (
+    PRIORS,
+    REFITTED,
+    Candidate,
+    Prior,
+    Selection,
+    bayes_factor,
+    evidence_of,
+    select,
+)
 
 NUMBERS = ("F_k", "c", "rho", "m")
 """The numbers of an answer."""
@@ -140,16 +141,13 @@ def _lowest(ends: Iterable[DecayFit | None]) -> DecayFit | None:
 
 
 def _of_frictions(plain: DecayFit, end: DecayFit) -> float:
-    """Return ln of the Bayes factor of a friction force for each decay: that of `select.bayes_factor`, of the n − 1
-    distances from the mean."""
+    """Return ln of the Bayes factor of a friction force for each decay, by the n − 1 distances from the mean."""
     n = end.frictions.size
     contrasts = np.linalg.qr(np.column_stack([np.ones(n), np.eye(n)[:, 1:]]))[0][:, 1:]
     forces = [one.key(FRICTION_FORCE) for one in end.decays]
     C = contrasts.T @ OscillatorFit.covariance_of(end, *forces) @ contrasts
-    v = contrasts.T @ end.frictions
-    S = C + (PRIORS[FRICTIONS].size * plain.F_k) ** 2 * np.eye(n - 1)
-    ratio = np.linalg.slogdet(C)[1] - np.linalg.slogdet(S)[1]
-    return float(0.5 * (ratio + gain_of(end, plain) - v @ np.linalg.solve(S, v)))
+    v, size = contrasts.T @ end.frictions, PRIORS[FRICTIONS].size * plain.F_k
+    return evidence_of(gain_of(end, plain), v, C, size, positive=False)
 
 
 def sizes_in(fit: DecayFit) -> dict[str, float]:

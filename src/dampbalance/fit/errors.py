@@ -3,9 +3,11 @@ scatter between blocks of them where what a model leaves is no white noise."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..arrays import Array
 
@@ -38,3 +40,10 @@ def jackknifed(left: Sequence[Array]) -> Array:
         parts.append((groups - 1) / groups * np.einsum("i...g,j...g->ij...", off, off))
     covariance: Array = np.sum(parts, axis=0)
     return covariance
+
+
+def welch_satterthwaite(variances: Array, freedoms: ArrayLike) -> float:
+    """Return the degrees of freedom of a sum of independent variances v_i with f_i degrees of freedom each,
+    (Σ v_i)²/Σ v_i²/f_i; infinite where all are zero."""
+    spread = float(np.sum(variances**2 / np.asarray(freedoms)))
+    return float(np.sum(variances)) ** 2 / spread if spread > 0.0 else math.inf

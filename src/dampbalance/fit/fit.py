@@ -20,8 +20,8 @@ class Fit:
     parameters : with the values of the fit.   covariance : of all of them, in their order, (p, p); zero where one was
     given.   chi_square : sum of the squares of the residuals (model − data)/σ, χ².   freedom : its degrees of freedom.
     problem : whose residuals these are, see `fit.multistart`.   minima : others that are nearly as likely.
-    evaluations : that the search took.   promise : what another step of the climb would gain in −log L, were the
-    residuals linear.
+    evaluations : of the problem during the search.   promise : gain in −log L of another step of the climb, if the
+    residuals were linear.
     """
 
     parameters: Parameters
@@ -55,11 +55,15 @@ class Fit:
         """Return the degrees of freedom of the error of a parameter."""
         return self.freedom
 
+    def reach(self, key: str) -> float:
+        """Return half the width of the 95 % interval of a parameter, in its unit: its standard error times Student's
+        t."""
+        return float(special.stdtrit(max(self.freedom_of(key), 1.0), 0.975)) * self.error(key)
+
     def interval(self, key: str) -> tuple[float, float]:
-        """Return the 95 % interval of a parameter, in its unit, with Student's t of the degrees of freedom of its
-        error."""
-        reach = float(special.stdtrit(max(self.freedom_of(key), 1.0), 0.975)) * self.error(key)
-        return self.value(key) - reach, self.value(key) + reach
+        """Return the 95 % interval of a parameter, in its unit."""
+        value, reach = self.value(key), self.reach(key)
+        return value - reach, value + reach
 
     @property
     def misfit(self) -> float:

@@ -151,12 +151,12 @@ def law(values: Array, v: Array) -> tuple[Array, Array]:
 
 
 def fit_speeds(data: SteadySpeeds) -> Selection:
-    """Return the line and the laws with a departure as they weigh, for F_k and c."""
+    """Return the line and each law with a departure, with their weights, for F_k and c."""
     line, fits = data.fit(data.start()), dict[str, SpeedFit]()
     if data.sizes.size >= _FEWEST and line.freedom >= 3.0:
         # in one direction the offset may hide any rounding
-        told = [name for name in DEPARTURES if data.both_ways or name != "v_0"]
-        fits = {name: data.law_with(name) for name in told}
+        shown = [name for name in DEPARTURES if data.both_ways or name != "v_0"]
+        fits = {name: data.law_with(name) for name in shown}
     least = (_EXACT * float(np.abs(data.F).max() / data.error.min())) ** 2
     noise = max(min(fit.misfit for fit in (line, *fits.values())), least)
     # stated errors that cover the scatter count

@@ -14,6 +14,7 @@ from ..law.terms import term
 from ..signals.record_harmonics import RecordHarmonics
 from ..signals.thresholds import P_OF_THE_MODEL, SHOWS
 from ..solver import NORMAL_95
+from .nuisances import base_of
 
 
 class LinearFit(NamedTuple):
@@ -21,7 +22,7 @@ class LinearFit(NamedTuple):
 
     k : N/m.   chi_square, freedom : χ² and its degrees of freedom.
     contact, contact_error : stiffness K of a contact that only sticks, N/m, with its standard error, infinite where the
-    records do not tell it from the inertia.   by_mass : change of K with the mass that is given, (rad/s)².
+    records cannot separate it from the inertia.   by_mass : derivative of K by the mass that is given, (rad/s)².
     """
 
     k: float
@@ -33,7 +34,7 @@ class LinearFit(NamedTuple):
 
     @property
     def sticks(self) -> bool | None:
-        """Whether there is a contact, which only sticks; None where the records do not tell it from none."""
+        """Whether there is a contact that only sticks; None where the records cannot decide."""
         if self.contact**2 > SHOWS * self.contact_error**2:
             return self.contact > 0.0
         # no contact of a rig is softer than its spring
@@ -59,9 +60,7 @@ def linear_fit(
     rows: list[Complexes] = []
     chi_square = 0.0
     for one in lines:
-        y = np.zeros(2 * one.n.size, dtype=np.complex128)
-        y[1], y[2 : one.base.size + 2] = one.Y, one.base[: y.size - 2]
-        y = y[one.n]
+        y = base_of(one)
         driven = one.clear & (y != 0.0)
         chi_square += float(np.sum(np.abs(one.x / one.x_error)[~driven] ** 2))
         relative = one.x_error[driven] / np.abs(one.x[driven])
@@ -99,14 +98,14 @@ def linear_fit(
 
 
 def improbable(chi_square: float, freedom: float, lines: Sequence[RecordHarmonics]) -> bool:
-    """Return whether noise makes a χ² as large as this hardly ever (`P_OF_THE_MODEL`)."""
+    """Return whether noise hardly ever makes χ² this large (`P_OF_THE_MODEL`)."""
     return probability(chi_square, freedom, lines) < P_OF_THE_MODEL
 
 
 def probability(chi_square: float, freedom: float, lines: Sequence[RecordHarmonics]) -> float:
-    """Return the probability of a χ² as large as this in noise; 1 without freedom.
+    """Return the probability that noise makes χ² at least this large; 1 without degrees of freedom.
 
-    The errors come from a number of rows, and so it has an F distribution.
+    χ² per degree of freedom has an F distribution, since the errors come from the scatter of a number of rows.
     """
     if freedom < 1:
         return 1.0

@@ -16,11 +16,11 @@ from ..signals.loops import Loop
 from .parameters import Parameter
 
 MOST_BLOCKS = 24
-"""Blocks of cycles of a jackknife: Student's t of so many is close to the normal distribution."""
+"""Largest number of blocks in a jackknife: with that many Student's t is close to the normal distribution."""
 
 FEW = 1e-3  # of a size, of a parameter that is near zero
 _WIDER = 1e-4  # part of the deflections at which sliders slip, of a difference quotient
-ZERO = 1e-300  # beside what may be zero
+ZERO = 1e-300  # added to divisors that may be zero
 # part of X between reversals, and quartiles of the speed there, which of a sine are 21 % apart
 _BETWEEN, _STEADY = 0.8, 0.1
 _PHASES = 100  # of a cycle, at which a residual is averaged over cycles
@@ -87,7 +87,7 @@ class Design:
         return np.concatenate([of[..., loop.own] for of, loop in pairs], axis=-1)
 
     def centred(self, values: Array) -> Array:
-        """Return values less their mean in each cycle, as an offset of each cycle of its own leaves them, (…, n)."""
+        """Return values less their mean in each cycle, which a separate offset of each cycle takes off, (…, n)."""
         lengths = np.diff(self.ends)
         means = np.add.reduceat(values, self.ends[:-1], axis=-1) / lengths
         return np.asarray(values - np.repeat(means, lengths, axis=-1))
@@ -131,7 +131,7 @@ class Design:
 
     @cached_property
     def with_c(self) -> bool:
-        """Whether the speed between reversals is known, and varies so much that c is told from friction."""
+        """Whether the speed between reversals is known, and varies enough to separate c from friction."""
         speeds = []
         for loop in self.loops:
             x, v = loop.x[loop.own], loop.v[loop.own]
@@ -142,8 +142,8 @@ class Design:
 
     @cached_property
     def extensions(self) -> tuple[str, ...]:
-        """Names of the extensions that these motions determine: at one frequency m ẍ is a spring, and of two speeds no
-        curve is told from a line."""
+        """Names of the extensions that these motions determine: at one frequency m ẍ is a spring, and two speeds cannot
+        show whether the force is curved."""
 
         def independent(y: Array, columns: Sequence[Array]) -> bool:
             A = np.array(columns).T

@@ -7,7 +7,7 @@ and not negative. One slider may be extended by a gap in series, a friction forc
 knee, Dahl's, or a force of the speed alone (`law/contact.py`), by a quadratic damper and by a mass. A contact that
 slips at other forces one way and the other is one slider with another offset.
 
-Each record has a drift, and each cycle an offset of its own. The search starts at the best of a grid of the r, g,
+Each record has a drift, and each cycle a separate offset. The search starts at the best of a grid of the r, g,
 n, rise and w in which the force is not linear, by the least squares of all others. Contacts are weighed by how they
 predict blocks of cycles that are left out. Stick-slip noise and ripple are no white noise: errors come
 from the scatter between blocks.
@@ -50,8 +50,8 @@ _CERTAIN = 4.0  # standard errors of F_k that is there
 _SLIPPING = 0.02
 _STEP = 1e-4  # of a parameter of the shape, of a difference quotient
 _KNEE, _ROUNDED = 0.98, 0.8  # of F_k: a rounded knee, or speed, counts as slip from here on
-SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones are not told apart
-WITHIN = 0.01, 0.7  # r/X of them: softer sliders are hardly told from a spring
+SLIDERS = 40  # of a gradual contact, in geometric steps: finer ones cannot be distinguished
+WITHIN = 0.01, 0.7  # r/X of them: sliders that slip later hardly differ from a spring
 _INDEPENDENT = 10  # values in what is left beyond the noise of a cycle of a record
 DIFFER = 0.002
 """Part of F_k between records that matters."""
@@ -288,10 +288,10 @@ class GradualProblem(LoopProblem):
 
 @dataclass(frozen=True, eq=False)
 class LoopFit(Fit):
-    """A contact fitted to loops. Beside the parameters of its problem it has F_k (N), K_z (N/m) and, of a friction that
-    falls, F_S (N) and v_S (m/s).
+    """A contact fitted to loops. In addition to the parameters of its problem it has F_k (N), K_z (N/m) and, for a
+    friction that falls with the speed, F_S (N) and v_S (m/s).
 
-    left : data less model, N, (n,).   ahead : likewise, of each block by the fit to the others.   without : contact and
+    left : data less model, N, (n,).   ahead : the same, each block by the fit to the others.   without : contact and
     values by key of the fit without each block.
     """
 
@@ -424,8 +424,8 @@ def slider(
 
 @one_thread
 def weigh(design: Design, *, backlash: bool = True) -> Selection:
-    """Weigh one slider against its extensions, against many sliders, and against a friction of each record of its own;
-    the evidence comes from blocks of cycles that are left out, see `_evidence`."""
+    """Weigh one slider against its extensions, against many sliders, and against a separate friction force for each
+    record; the evidence comes from blocks of cycles that are left out, see `_evidence`."""
     gradual = fit_gradual(design)
 
     def extended(fit: LoopFit, names: tuple[str, ...]) -> list[Candidate]:
@@ -482,7 +482,7 @@ def fit_gradual(
 
 
 def _with_own_forces(fit: LoopFit) -> LoopFit | None:
-    """Return the fit with a friction force of each record of its own; None of one record."""
+    """Return the fit with a separate friction force for each record; None if there is only one record."""
     if len(fit.design.loops) < 2 or not fit.slips:
         return None
     given = fit.design.loops

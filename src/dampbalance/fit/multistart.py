@@ -1,6 +1,6 @@
 """The one search: climbs from several starts, a scan along the contact stiffness, the end on all data.
 
-A start is a point with limits and scales, `Parameters`; a problem has no state between evaluations, and these:
+A start is a point with limits and scales, `Parameters`; a problem has no state between evaluations, and provides:
 `products(values, free, trail, out)` sets JᵀJ bordered by Jᵀr and χ² at a point, by the unknowns that are free, and is
 false where there is no motion; `thinned()`, a cheaper copy, or itself; `softened(part)`, a copy with a part of the
 amplitudes added to the errors; `scan(parameters)`, values of the parameter that is scanned; `samples`, the number of
@@ -39,10 +39,10 @@ _SAME = 0.5  # standard errors: two climbs that end so close ended in one minimu
 
 
 class Trail:
-    """What a search learns and spends on its way.
+    """The budget of a search and the motions that it can start from.
 
-    near : the last motion of each record, by its number: where the next one starts.   left : evaluations that may still
-    be made; a motion that is dear counts for several.   made : evaluations of all climbs.
+    near : the last motion of each record, by its number: where the next one starts.   left : evaluations that are left;
+    a motion that takes long counts as several.   made : evaluations of all climbs.
     """
 
     def __init__(self, left: float = math.inf) -> None:

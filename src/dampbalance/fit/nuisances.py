@@ -1,4 +1,4 @@
-"""Departures of records from one oscillator that are read right: unknowns of their model, zero unless they are freed.
+"""Nuisances of forced records, faults of a channel or of the model that a fit can include: zero unless they are freed.
 
     delay              s          the response lags the base in the record by more than in its motion
     gain               1          the drive reads (1 + g)Y for Y
@@ -28,12 +28,12 @@ FALLING = 0.1
 """Speed over the largest at which a friction force that changes with the speed has fallen by a factor e."""
 
 FOLDED = "folded"
-"""The nuisance that is fitted wherever it makes a difference: most recorders have a filter, and few say so."""
+"""The nuisance that is fitted wherever it matters: most recorders have a filter that their records do not mention."""
 
 NUISANCES: Mapping[str, tuple[float, float]] = {
-    "delay": (-0.5 * math.pi, 0.5 * math.pi),  # a quarter cycle: beyond, it is another channel
-    "gain": (-0.2, 0.2),  # beyond, it is another unit, and no fault of calibration
-    # up to half the fundamental that is left: a laboratory would see it
+    "delay": (-0.5 * math.pi, 0.5 * math.pi),  # a quarter cycle; beyond, it is another channel
+    "gain": (-0.2, 0.2),  # beyond, it is another unit and no fault of calibration
+    # beyond, less than 70 % of the fundamental is left, which a laboratory would notice
     "corner": (0.0, 1.0),
     "friction_level": (-1.0, 1.0),
     "friction_speed": (0.0, 2.0),  # at rest it is larger, three times at most
@@ -77,17 +77,17 @@ def in_other_frame(one: RecordHarmonics) -> RecordHarmonics:
     """Return the harmonics of a response that is relative to the base and was taken for absolute, or the other way
     round, without that error."""
     sign = -1.0 if one.of_base else 1.0
-    return replace(one, x=one.x + sign * _base(one), of_base=1.0 - one.of_base)
+    return replace(one, x=one.x + sign * base_of(one), of_base=1.0 - one.of_base)
 
 
 def with_gain(one: RecordHarmonics, gain: float) -> RecordHarmonics:
-    """Return the harmonics with what was measured of the response, in its own frame, so many times as large."""
-    added = one.of_base * _base(one)
+    """Return the harmonics with the response multiplied by a gain in the frame in which it was measured."""
+    added = one.of_base * base_of(one)
     x = gain * (one.x - added) + added
     return replace(one, x=x, x_error=abs(gain) * one.x_error)
 
 
-def _base(one: RecordHarmonics) -> Complexes:
+def base_of(one: RecordHarmonics) -> Complexes:
     """Return the harmonics of the base at the orders of those of the response, m."""
     y = np.zeros(max(int(one.n[-1]), one.base.size + 1) + 1, dtype=np.complex128)
     y[1], y[2 : one.base.size + 2] = one.Y, one.base

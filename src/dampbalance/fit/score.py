@@ -53,14 +53,14 @@ def departures_from(
     noise_known: bool,
     freedom: float | None = None,
 ) -> list[Departure]:
-    """Return what each further coefficient would explain, those that the data do not show left out.
+    """Return what each further coefficient would explain, without those that the data do not show.
 
     Use it to see whether the model of a fit accounts for the data; the values hold to first order.
 
     residual : (n,).   known : derivatives by the unknowns of the fit, (n, u), the first of which have `names`.
     added : derivatives by each coefficient, (n,), by symbol.   noise_known : whether the residual is in units of a
-    noise that is known; otherwise it shows itself how large that is.   freedom : of the residual, where it was
-    filtered; default, that of so many samples.
+    noise that is known; otherwise its scatter gives the noise.   freedom : degrees of freedom of a residual that was
+    filtered; default, from the number of samples.
     """
     if not added:
         return []

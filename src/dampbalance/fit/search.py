@@ -53,7 +53,9 @@ _LONG = 300  # cycles of a decay, of more of which excerpts are fitted
 _EXCERPTS, _EXCERPT = 8, 150  # their number, and the cycles of each at most
 _LATEST = 3.0  # cycles after the turn, to which a disturbance of the release may last
 _LONGER = 1.5  # growth of a tail: the phase of the ringing is known half as far ahead again
-_OTHER_MOTION = 0.3  # of the motion in its band: a residual so large is none of an oscillator
+_OTHER_MOTION = (
+    0.3  # of the motion in its band: with a larger residual it is not that of an oscillator
+)
 _FEWEST_FREE = 2.0  # degrees of freedom in the band, below which any motion fits
 _LEAST_SWING = 0.1  # of the swing of a burst, that its motion has at least
 _MOST_HALF_CYCLES = 4  # half cycles that slip, of a burst that may be the work of a hand
@@ -80,7 +82,7 @@ def separate_fits(
         for burst in bursts:
             if burst in fits and fits[burst].white:
                 continue
-            # a motion that is none of an oscillator does not say how far it goes
+            # a motion that is not that of an oscillator does not show where it ends
             sure = {b: fit for b, fit in fits.items() if fit.white}
             before = (fit.decays[-1].end for b, fit in sure.items() if b.turn < burst.turn)
             earliest = max(burst.earliest, *before, -math.inf)
@@ -464,7 +466,7 @@ def fit_all(fits: Sequence[DecayFit]) -> tuple[DecayFit | None, list[Decay]]:
 
     The decays share c, K_z and m; whether they share F_k is to be weighed. A hand that moves the mass from one place to
     another can look like half a cycle of another oscillator: what slips in a few half cycles only is left out where no
-    friction force whatever makes it a motion of the oscillator of the others.
+    friction force makes it a motion of the oscillator of the others.
     """
     if len(fits) == 1:
         return fits[0], []

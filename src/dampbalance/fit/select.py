@@ -30,6 +30,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy import optimize, special
 
 from ..arrays import Array
@@ -45,15 +46,15 @@ NOISE_ALONE = 1e-4
 """Probability of a χ² below which the best model leaves more than noise."""
 
 _MOST, _MOST_FAR = 3, 4
-"""Departures of a model at most: of more the data tell nothing. Candidates that are fitted where none of the models
-explains the data."""
+"""Most departures of a model, as data do not determine more; most candidates that are fitted where no model explains
+the data."""
 
 
 class Prior(NamedTuple):
-    """What is known of a departure before any record.
+    """Prior knowledge of a departure.
 
-    share : π, of the rigs that have it.   size : τ, standard deviation in them, in `unit` of a rig.
-    positive : whether it has one sign.
+    share : π, the share of rigs that have it.   size : τ, its standard deviation among them, in multiples of `unit`.
+    positive : whether it cannot be negative.
     """
 
     share: float
@@ -141,10 +142,11 @@ class Candidate:
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """Models with their weights, the numbers of all of them, and the fit of the heaviest.
+    """Models with their weights, the numbers averaged over them, and the fit of the heaviest model.
 
     keys : of the numbers.   models, weights : the plain one first.   departures : names of those that the plain model
-    of this selection has, in the order in which they became clear.   noise : square of the scale of the noise.
+    of this selection has, in the order in which they became clear.   noise : factor on the variance of the noise.
+    plain : the fit without any departure.
     """
 
     keys: tuple[str, ...]
@@ -171,14 +173,10 @@ class Selection:
         return (*self.departures, *filter(None, [self.best.name]))
 
     def weight(self, name: str) -> float:
-        """Return the weight of a model by name; 1 of a departure that all of them have, 0 of one that was not there to
-        be weighed."""
+        """Return the weight of a model by name; 1 for a departure that all models have, 0 for one that was not
+        weighed."""
         own = [w for model, w in zip(self.models, self.weights, strict=True) if model.name == name]
         return 1.0 if name in self.departures else math.fsum(own)
-
-    def speaks_for(self, name: str) -> bool:
-        """Return whether the records speak for a model by a factor of e, which then has a weight above `REFITTED`."""
-        return self.evidence(name) > 1.0 and self.weight(name) > REFITTED
 
     def evidence(self, name: str) -> float:
         """Return ln of the Bayes factor of a model by name."""
@@ -197,8 +195,8 @@ class Selection:
         return np.asarray(np.average(each, 0, self.weights))
 
     def interval(self, key: str, probability: float = 0.95) -> tuple[float, float]:
-        """Return the ends between which a number lies with a probability, of the mixture of the normal distributions of
-        all models: a light model widens them little, however far it is from the others."""
+        """Return the interval that contains a number with some probability, by the mixture of the normal distributions
+        of all models: a model of little weight widens it little, however far it is from the others."""
         at, weights = self.keys.index(key), np.array(self.weights)
         centres = np.array([one.values[at] for one in self.models])
         errors = np.sqrt(np.array([one.covariance[at, at] for one in self.models]))
@@ -242,12 +240,13 @@ def select(
 ) -> Selection:
     """Weigh the candidates and the plain model.
 
-    Use it wherever a model would be chosen by a test: the numbers then hold what the data do not tell apart.
+    Use it instead of choosing a model by a test: the numbers are averages over the models that the data cannot
+    distinguish.
 
     fit : of the plain model, with `chi_square` and `freedom` in units of the noise.   keys : of the numbers, as
     `value` and `covariance_of` of the fits take them; a candidate known to first order has them in its slopes.
-    noise : square of the scale of the noise, where it is known; default, by what the best model leaves.
-    further : candidates beyond a fit with some departures, for a second one from the first; default, none.
+    noise : factor on the variance of the noise, where it is known; default, from the residual of the best model.
+    further : returns the candidates for a second departure, from a fit and the names of those it has; default, none.
     departures : that the plain model has.
     """
     keys = tuple(keys)
@@ -261,14 +260,13 @@ def select(
     while True:
         found = _weighed(fit, known, fits, keys, noise, departures)
         left = [one for one in known if one.name not in fits and one.name not in failed]
-        asked = [one for one in left if found.speaks_for(one.name)]
+        # those for which the records speak by a factor of e
+        likely = [one for one in left if found.evidence(one.name) > 1.0]
+        asked = [one for one in likely if found.weight(one.name) > REFITTED]
         # far from the data the first order is no guide to which of the likeliest explains them
-        if (
-            not asked
-            and len(fits) < _MOST_FAR
-            and noise_of(found.fit.chi_square, found.fit.freedom) > 1.0
-        ):
-            asked = [one for one in left if found.evidence(one.name) > 1.0]
+        far = noise_of(found.fit.chi_square, found.fit.freedom) > 1.0
+        if not asked and far and len(fits) < _MOST_FAR:
+            asked = likely
         if not asked:
             break
         one = max(asked, key=lambda one: found.evidence(one.name))
@@ -292,9 +290,10 @@ def select(
 
 
 def noise_of(chi_square: float, freedom: float, independent: float = math.inf) -> float:
-    """Return the square of the scale of the noise, of which χ² is a sum of squares, 1 where it is that of the data.
+    """Return the factor on the variance of the noise that explains χ²; 1 where the stated noise explains it.
 
-    What is left beyond the noise is smooth: of `freedom` values only so many are independent.
+    chi_square, freedom : χ² and its degrees of freedom.   independent : number of independent values in a residual
+    beyond the noise, which is smooth; default, the degrees of freedom.
     """
     beyond = chi_square / max(freedom, 1.0) - 1.0
     if beyond <= 0.0 or special.chdtrc(max(freedom, 1.0), chi_square) > NOISE_ALONE:
@@ -305,9 +304,10 @@ def noise_of(chi_square: float, freedom: float, independent: float = math.inf) -
 def bayes_factor(
     value: float, error: float, prior: Prior, fall: float | None = None
 ) -> tuple[float, float, float]:
-    """Return ln of the Bayes factor of an unknown, and mean and variance of it given the data.
+    """Return ln of the Bayes factor for one more unknown, and the mean and variance of its posterior distribution.
 
-    value, error : v̂ ± e.   fall : of χ² by it; default, v̂²/e².
+    value, error : its estimate v̂ and standard error e.   prior : its size before any record, in the same unit.
+    fall : by how much the unknown lowers χ²; default, v̂²/e².
     """
     e2, tau2 = error**2, prior.size**2
     mean, variance = value * tau2 / (e2 + tau2), e2 * tau2 / (e2 + tau2)
@@ -328,22 +328,26 @@ def bayes_factor(
 
 
 def evidence_of(
-    chi_square: float, values: Array, covariance: Array, sizes: Sequence[float]
+    fall: float, values: Array, covariance: Array, sizes: ArrayLike, *, positive: bool
 ) -> float:
-    """Return ln of the evidence of a model whose unknowns are not negative, with prior standard deviations τ:
+    """Return ln of the Bayes factor of several unknowns with prior standard deviations τ:
 
-        −½ χ² + ½ ln |C|/|C + T| − ½ v̂ᵀ (C + T)⁻¹ v̂ + Σ ln 2Φ(μ_j/σ_j),   T = diag τ²
+        ½ Δχ² + ½ ln |C|/|C + T| − ½ v̂ᵀ (C + T)⁻¹ v̂      (+ Σ ln 2Φ(μ_j/σ_j) where none is negative),   T = diag τ²
 
-    Use it for models none of which contains all others; of one unknown it is that of `bayes_factor`.
+    Use it for models with several unknowns more; for one it is `bayes_factor`.
 
-    chi_square, covariance : of its fit, in the noise.   values : v̂.
+    fall : Δχ², by which the unknowns lower χ² in the noise; of models none of which contains all others, −χ² itself.
+    values, covariance : v̂ and C.   sizes : τ, of each or of all.   positive : whether none of them is negative.
     """
+    sizes = np.broadcast_to(sizes, values.shape)
     v, C = values / sizes, covariance / np.outer(sizes, sizes)
     S = C + np.eye(v.size)
-    mean, variance = np.linalg.solve(S, v), np.diag(C - C @ np.linalg.solve(S, C))
-    half = special.log_ndtr(mean / np.sqrt(np.maximum(variance, 1e-300))) + math.log(2.0)
-    ratio = np.linalg.slogdet(C)[1] - np.linalg.slogdet(S)[1]
-    return float(0.5 * (ratio - chi_square - v @ mean) + half.sum())
+    mean, ratio = np.linalg.solve(S, v), np.linalg.slogdet(C)[1] - np.linalg.slogdet(S)[1]
+    evidence = float(0.5 * (fall + ratio - v @ mean))
+    if not positive:
+        return evidence
+    variance = np.maximum(np.diag(C - C @ np.linalg.solve(S, C)), 1e-300)
+    return evidence + float(np.sum(special.log_ndtr(mean / np.sqrt(variance)) + math.log(2.0)))
 
 
 def _weighed(

@@ -25,9 +25,8 @@ _EFFORT = 600.0  # evaluations after which no other start is tried: to end where
 _REFINED = 3  # of the climbs that ended far from the records, those whose ends are nearest to them
 _TO_THE_END = 300  # for the nearest of all, so that its place hangs on no other start
 _RINGING_SWINGS = 1.0  # swings in a stick, from which on a fit that holds is not the only one
-_FAINT = (
-    0.01  # of the fundamental: what records leave of harmonics that are not those of the oscillator
-)
+# Of the fundamental: the residual of higher harmonics that no oscillator explains.
+_FAINT = 0.01
 _RESCALED, _SETTLED = 4, 0.05  # fits at most, and the change of ln of the scales of the last
 # What a minimum must be lower by, in χ² and as a part of it, for a scan from there.
 _LOWER, _NEARER = 0.05, 0.02
@@ -43,11 +42,12 @@ def fit_records(
 ) -> WaveformFit | None:
     """Return the oscillator of largest likelihood; None where no oscillator that slips responds like the records.
 
-    lines : of n ≥ 1 records.   k : stiffness, N/m.   law : whose coefficients are fitted; default, F_k and c.
-    thorough : whether more and more starts are tried until one leads to an oscillator that the records may be of, or so
-    many evaluations were made that there hardly is one. The ringing of the stuck mass makes χ² oscillate along K_z: the
-    best is searched for among all K_z (`of_all_stiffnesses`), and climbs on to its optimum.
-    near : what a search that is not thorough ended with: its starts are not tried again.
+    lines : harmonics of one or more records.   k : stiffness, N/m.
+    law : whose coefficients are fitted; default, F_k and c.
+    thorough : whether to try more starts until a fit explains the records or the budget of evaluations is spent, then
+    to search all K_z (`of_all_stiffnesses`), along which χ² oscillates where the stuck mass rings, and to climb on to
+    the optimum. Choose False to learn quickly whether a fit is near.
+    near : the result of a search that was not thorough, whose starts are not repeated.
     """
     problem = HarmonicProblem(law or Law(), tuple(lines), k)
     wide = (True,) if thorough and not problem.law.nonlinear else ()  # else each climb takes long
@@ -80,12 +80,13 @@ def fit_fundamentals(
     law: Law | None = None,
     near: WaveformFit | None = None,
 ) -> WaveformFit | None:
-    """Return the oscillator of records whose harmonics are not those of one: what these leave scales their errors. None
-    where no oscillator moves like the fundamentals, or there are too few levels to show whether one does.
+    """Return the oscillator of largest likelihood for records whose higher harmonics no oscillator explains: their
+    errors are scaled up to their residual. None where no oscillator moves like the fundamentals, or where the levels
+    are too few to show whether one does.
 
-    A second mode, a sensor or a spring that is not linear show in the higher harmonics first, and hardly in the
-    fundamental, which carries nearly all of the energy: the search begins with the fundamentals, next to which the
-    harmonics hardly count.   near : a fit to begin with.
+    A second mode, or a sensor or spring that is not linear, shows first in the higher harmonics and hardly in the
+    fundamental, which carries nearly all of the energy: the search starts with errors of the higher harmonics so large
+    that they hardly count.   near : a fit to start from as well.
     """
     problem = HarmonicProblem(law or Law(), tuple(lines), k)
     if len(lines) <= len(problem.law.unknowns):  # their losses are then met by any law
@@ -106,9 +107,10 @@ def fit_fundamentals(
 
 
 def rescaled(fit: WaveformFit, *, fundamentals: bool = True) -> WaveformFit | None:
-    """Return the fit with errors that are scaled by what it leaves; None where the levels are too few to show that.
+    """Return the fit with the errors of the data scaled up to its residual; None where the levels are too few to
+    estimate the scales.
 
-    fundamentals : whether also those of the fundamentals are.
+    fundamentals : whether the errors of the fundamentals are scaled by their own residual, too.
     """
     for _ in range(_RESCALED):
         if fit.freedoms[0] < 1.0:
@@ -125,8 +127,8 @@ def rescaled(fit: WaveformFit, *, fundamentals: bool = True) -> WaveformFit | No
 
 
 def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
-    """Return the best fit that is found along K_z, from a fifth to five times that of a fit, in steps that miss no
-    minimum, and from one that is nearer to the records again; the fit itself where none is better, or the mass hardly
+    """Return the best fit along K_z, searched from a fifth to five times the K_z of a fit in steps that miss no
+    minimum, and again from each fit that is closer; the fit itself where none is closer, or where the mass hardly
     swings while it sticks."""
     chi_square, left = math.inf, _EFFORT
     while fit.chi_square < (1.0 - _NEARER) * chi_square - _LOWER:
@@ -140,10 +142,10 @@ def of_all_stiffnesses(fit: WaveformFit) -> WaveformFit:
 
 
 def fit_quickly(problem: HarmonicProblem, near: WaveformFit | None) -> WaveformFit | None:
-    """Return the fit of a law, to compare many: from the optimum of one that it contains, where that is adequate; else
-    from the closest candidate of `starts`, and from the other fit again where that is closer to the records.
+    """Return the fit of a law, fast enough to compare many: from the fit of another law where that explains the
+    records; else from the closest candidate of `starts`, and from the other fit, too, where that is closer.
 
-    near : the fit with the other law, if there is one.
+    near : the fit of the other law, if there is one.
     """
     if near is not None and near.adequate and near.law.given == problem.law.given:
         start = problem.like(near)
@@ -183,8 +185,8 @@ def _as_candidate(fit: WaveformFit) -> Array:
 def refit(
     fit: WaveformFit, free: Collection[str] = (), given: Mapping[str, float] | None = None
 ) -> WaveformFit | None:
-    """Return the fit that a climb from a fit leads to with nuisances left free, or with unknowns given; None where it
-    has no motion, or nothing slips.
+    """Refit from the optimum of a fit with nuisances free, or with unknowns given; None where the oscillator has no
+    motion or nothing slips.
 
     Use it to ask what a departure would explain: `fit.chi_square` falls by its share of χ², `value(name)` and
     `error(name)` are its size, and F_k, c and K_z those without it. What was fitted or given before stays so.

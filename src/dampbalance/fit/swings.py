@@ -15,7 +15,7 @@ from ..signals.log_decrement import displacement_in
 _WINDOW = 0.6  # of a cycle before the turn of a burst: its first swing
 SLOWER = 0.6  # of the period in the spectrum: that of the swings is no other than this either way
 _SHORTEST = 3.0  # samples of a period, of which a band can be cut
-_FEWEST_SWINGS = 4  # that tell the period better than the spectrum
+_FEWEST_SWINGS = 4  # that give the period better than the spectrum
 # of one swing to the next; lost of the first where there is no second
 _LEAST_RATIO, _LOST_UNKNOWN = 0.3, 0.2
 _SMALL_SWING = 0.08  # of the largest swing: below it sticking bends the line

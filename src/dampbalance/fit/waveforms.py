@@ -8,9 +8,9 @@ the information on a steady motion, so that
 
     χ² = Σ |x_n(model) e^{inψ} − x_n|²/σ_n² + (Y(model) − Y)²/σ_Y² + (Yψ)²/σ_Y²
 
-is that of the fit to all samples, whatever drives, whatever answers and however long the record is. Its minimum is the
-estimate of largest likelihood; χ² itself says whether the records are those of such an oscillator. Any regime has its
-exact waveform: one slip onset per half cycle, several, none. In ρ the rigid contact, ρ = 0, is a regular point.
+is that of the fit to all samples, whichever quantities were measured and however long the record is. Its minimum is the
+estimate of largest likelihood; χ² itself says whether the records are those of such an oscillator. The waveform is
+exact in every regime: one slip onset per half cycle, several, none. In ρ the rigid contact, ρ = 0, is a regular point.
 Derivatives are differences of exact motions.
 """
 
@@ -35,7 +35,7 @@ from ..motion.orbit import NoSteadyOrbit
 from ..signals.mean_harmonics import Waveform
 from ..signals.record_harmonics import RecordHarmonics
 from .climb import Climb
-from .errors import inverse_information
+from .errors import inverse_information, welch_satterthwaite
 from .fit import Fit, OscillatorFit
 from .goodness import improbable
 from .multistart import Trail
@@ -50,10 +50,10 @@ NO_MOTION = (ArithmeticError, NoOscillator, np.linalg.LinAlgError)
 the way to one, a number out of range, or equations without a solution. Any other error is a defect, and shows."""
 
 MOST_RADIANS_SEARCHED = 5e5
-"""Of the fastest motion that are followed in search of one orbit: a quarter of a second."""
+"""Radians of the fastest motion that are followed in search of one orbit: a quarter of a second of computing."""
 
 # Of K_z/k: the contact that stands for a rigid one. It sticks for 10⁻⁵ rad of the cycle or so, by which friction comes
-# late: to tell that from nothing takes noise below 10⁻⁶ of the motion.
+# late: that shows only where the noise is below 10⁻⁶ of the motion.
 STIFFEST = 1e10
 # Turns of the fastest motion, which cost as much as the rest of an evaluation.
 TURNS_PER_EVALUATION = 200.0
@@ -68,11 +68,11 @@ _REACH = math.log(5.0)  # of ln K_z to either side, where other minima are looke
 _MOST_STIFFNESS_STEPS = 64  # a few hundred evaluations: what a search may cost
 _CLOSER = (1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0)  # of a step
 INDEPENDENT = 4.0
-"""Independent values in what the higher harmonics leave of an oscillator that is not theirs: those of all levels are
-alike, and the third is the most of it."""
+"""Number of independent values in the residual of higher harmonics that no oscillator explains: it is similar at all
+levels, and mostly in the third harmonic."""
 
 SHARED = 0.007
-"""Part of what the higher harmonics leave that is an error of the fundamental, too: what makes them acts on it."""
+"""Share of the residual of the higher harmonics that is an error of the fundamental, too, on which its cause acts."""
 
 _SETTLED = 1.1  # ratio of two scales of errors that are the same
 # Step of an unknown, for derivatives: orbits are exact to 1e-13, and curvature leaves a few times as much as the step,
@@ -492,22 +492,16 @@ class WaveformFit(OscillatorFit):
         return np.transpose(parts)
 
     def freedom_of(self, key: str) -> float:
-        """Return the degrees of freedom of the error of a parameter: parts of its variance v_i with f_i degrees of
-        freedom give (Σ v_i)²/Σ v_i²/f_i of their sum (Welch–Satterthwaite)."""
-        v, f = self._parts(key)
-        spread = float(np.sum(v**2 / f))
-        return float(np.sum(v)) ** 2 / spread if spread > 0.0 else math.inf
+        """Return the degrees of freedom of the error of a parameter."""
+        return welch_satterthwaite(*self._parts(key))
 
-    def interval(self, key: str) -> tuple[float, float]:
-        """Return the 95 % interval of a parameter, in its unit, with Student's t. Weights that come from the scatter of
-        few rows add to its variance, in parts p_i of it, 4 Σ p_i(1 − p_i)/f_i (Meier, Biometrics 9, 1953)."""
+    def reach(self, key: str) -> float:
+        """Return half the width of the 95 % interval of a parameter, in its unit. Weights from the scatter of few rows
+        increase its variance by the share 4 Σ p_i(1 − p_i)/f_i, p_i the shares of its parts (Meier, Biometrics 9,
+        1953)."""
         v, f = self._parts(key)
         p = v / (float(np.sum(v)) or 1.0)
-        by = math.sqrt(1.0 + 4.0 * float(np.sum(p * (1.0 - p) / f)))
-        low, high = super().interval(key)
-        return self.value(key) - by * (self.value(key) - low), self.value(key) + by * (
-            high - self.value(key)
-        )
+        return math.sqrt(1.0 + 4.0 * float(np.sum(p * (1.0 - p) / f))) * super().reach(key)
 
     @cached_property
     def freedoms(self) -> tuple[float, float]:

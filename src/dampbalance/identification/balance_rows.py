@@ -21,7 +21,7 @@ from scipy import special
 from ..arrays import Array
 from ..balance import APPROACHES, Rows
 from ..features import Features, stack
-from ..fit.errors import jackknifed
+from ..fit.errors import jackknifed, welch_satterthwaite
 from ..law.law import Law
 from ..law.terms import FRICTION
 from ..signals.mean_harmonics import Means, Reading
@@ -72,10 +72,9 @@ class Balanced:
 
 
 def estimate_of(value: float, variances: Array, freedoms: Sequence[float]) -> ParameterEstimate:
-    """Return a number with standard error and interval, from independent parts of its variance, v_i with f_i degrees of
-    freedom: their sum has (Σ v_i)²/Σ v_i²/f_i (Welch–Satterthwaite), which give the quantile of Student's t."""
-    total, spread = math.fsum(variances), float(np.sum(variances**2 / freedoms))
-    freedom, error = total**2 / spread if spread > 0.0 else math.inf, math.sqrt(total)
+    """Return a number with standard error and interval, from independent parts of its variance with their degrees of
+    freedom."""
+    freedom, error = welch_satterthwaite(variances, freedoms), math.sqrt(math.fsum(variances))
     reach = float(special.stdtrit(freedom, 0.5 + 0.5 * CONFIDENCE)) * error
     return ParameterEstimate(value, error, Interval(value - reach, value + reach))
 

@@ -168,7 +168,8 @@ def _evidence(law: Terms, fit: Any, sizes: Mapping[str, float], noise: float) ->
     values = np.array([fit.value(key) for key in keys])
     tau = [_PRIOR.size * sizes[term(key).symbol] for key in keys]
     covariance = noise * fit.covariance_of(*keys)
-    return evidence_of(fit.chi_square / noise, values, covariance, tau) + _ODDS * len(law)
+    fall = -fit.chi_square / noise
+    return evidence_of(fall, values, covariance, tau, positive=True) + _ODDS * len(law)
 
 
 def _neighbours(

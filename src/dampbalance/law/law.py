@@ -14,14 +14,15 @@ _GIVEN = "a mapping of symbols to coefficients"
 
 @dataclass(frozen=True)
 class Law:
-    """A damping law that is to be identified, friction among its terms.
+    """A damping law to be identified; friction is one of its terms.
 
-    terms : symbols of `KNOWN_TERMS`.   given : term → coefficient that is
-    known, SI.   groups : term → for each record the label of the group that its coefficient belongs to; a term that is
-    not named has one coefficient for all records. A symbol stands for its term in both.
+    terms : symbols of `KNOWN_TERMS`.
+    given : term → its known coefficient, SI.
+    groups : term → the label of each record's group; records of one group share the coefficient. A term without groups
+    has one coefficient for all records. In both, a symbol stands for its term.
 
-    Raises ValueError naming the term: unknown, no friction among them, a given value that no oscillator has, a given
-    term with groups.
+    Raises ValueError naming the term that is unknown, not among `terms`, given a value that no oscillator has, or both
+    given and grouped, and for a law without friction.
     """
 
     terms: tuple[Term, ...] = (FRICTION, "c")  # type: ignore[assignment]
@@ -94,7 +95,7 @@ class Law:
         return (term,) if labels is None else tuple(map(term.of_group, dict.fromkeys(labels)))
 
     def require_labels(self, records: int) -> None:
-        """Raise ValueError where the groups of a term have not one label for each of so many records."""
+        """Raise ValueError unless the groups of each term have a label for each record.   records : their number."""
         for symbol, labels in self.groups.items():
             if len(labels) != records:
                 raise ValueError(
@@ -102,9 +103,10 @@ class Law:
                 )
 
     def require(self, frequencies_hz: Sequence[float], *, by_balance: bool = True) -> None:
-        """Raise ValueError where records at these frequencies cannot distinguish the terms, whatever they hold.
+        """Raise ValueError where records at these frequencies, one each, cannot distinguish the terms.
 
-        by_balance : whether a balance is to do so, which needs a row for each; else the waveforms may.
+        by_balance : whether the energy balance is to do so, which needs a record for each unknown; waveforms may need
+        fewer.
         """
         count = len(frequencies_hz)
         self.require_labels(count)
@@ -130,10 +132,12 @@ def law_of(
     given: Mapping[str, float] | None,
     groups: Mapping[str, Sequence[str] | str] | None,
 ) -> Law:
-    """Return the law that is asked for.
+    """Return the law that a user's options describe.
 
-    terms : default, F_k, c and those that are given; the others as in `Law`. Names and labels may be a text with commas
-    between them. Raises ValueError naming what is wrong.
+    terms : default, F_k, c and those that are given.   given, groups : as in `Law`. Names and labels may be one
+    comma-separated string.
+
+    Raises ValueError naming what is wrong.
     """
     known = {} if given is None else mapping("given", given, _GIVEN)
     asked = () if terms is None else names("terms", terms)

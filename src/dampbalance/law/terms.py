@@ -34,9 +34,8 @@ Force = Callable[[Any, Any, Any, Any], Any]
 class Term(str):
     """A way to lose energy: one column of the balance, and the coefficient p that is identified.
 
-    A term is the text of its symbol and knows more of it. It is the key of laws, rows, values and intervals, where the
-    symbol alone finds it, too: values["c_2"]. Its force is p h, in which h grows with a fixed power n ≥ 1 of the
-    velocity,
+    A term is a string, its symbol, with attributes. It is the key of laws, rows, values and intervals, in which the
+    plain symbol finds it, too: values["c_2"]. Its force is p h, where h grows with a fixed power n ≥ 1 of the velocity,
 
         h(ẋ, ẏ, k, ω) = h_1(k, ω) |ẋ|ⁿ⁻¹ ẋ,    for n = 1 also  h_x(k, ω) ẋ + h_y(k, ω) ẏ
 

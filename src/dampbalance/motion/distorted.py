@@ -16,11 +16,11 @@ import numpy as np
 from ..arrays import Array, Complexes
 from ..jit import jit
 from ..model import Parameters, parameters
-from .events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase, write_phase
+from .events import PHASE_V, PHASE_X, PHASE_Z, write_phase
 from .flow import harmonic_response, step_response, unit
-from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .orbit import NoSteadyOrbit, Orbit
 from .regime import Regime
+from .steady_harmonics import stick_integrals
 
 _MOST_STEPS = 100_000  # steps in a phase: a contact that takes more is as good as rigid
 
@@ -211,39 +211,6 @@ def _steady(
     return 0
 
 
-@jit
-def _in_stick(
-    phases: Array, theta: float, y: Complexes, par: Parameters, count: int
-) -> tuple[Array, Complexes]:
-    """Return ẋ dt at the nodes of Gauss's rule in all stick phases of a period, and e^{−iψ} there, ψ the phase of the
-    base."""
-    fastest = 2.0 * math.sqrt((par.k + par.K_z) / par.m) + 2.0 * (count + y.size) * par.omega
-    ends, panels = np.empty(len(phases)), np.zeros(len(phases), dtype=np.int64)
-    for i in range(len(phases)):
-        last = i + 1 == len(phases)
-        ends[i] = 2.0 * math.pi / par.omega if last else phases[i + 1, PHASE_T]
-        if phases[i, PHASE_S] == 0.0:
-            panels[i] = 1 + int((ends[i] - phases[i, PHASE_T]) * fastest / PANEL)
-    points = panels.sum() * len(GAUSS_NODES)
-    values, turns, at = np.empty(points), np.empty(points, dtype=np.complex128), 0
-    for i in range(len(phases)):
-        if panels[i] == 0:
-            continue
-        t, _, x, v, z = read_phase(phases, i)
-        turn = unit(theta + par.omega * t)
-        start = v, -(par.k * x + par.K_z * z) / par.m
-        of_phase = par.c / (2.0 * par.m), (par.k + par.K_z) / par.m, par.omega
-        drive = _turned(y, turn, par.k / par.m)
-        h = (ends[i] - t) / panels[i]
-        for panel in range(panels[i]):
-            for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS):  # noqa: B905 (compiled)
-                since = h * (panel + 0.5 + 0.5 * node)
-                turns[at] = turn.conjugate() * unit(-par.omega * since)
-                values[at] = 0.5 * h * weight * _motion(since, start, of_phase, drive)[1]
-                at += 1
-    return values, turns
-
-
 def distorted_harmonics(orbit: Orbit, base: Complexes, count: int) -> Complexes:
     """Return x_n, n = 1, 2 … count, m, of the steady motion of an orbit's oscillator under a base of several harmonics.
 
@@ -265,10 +232,7 @@ def distorted_harmonics(orbit: Orbit, base: Complexes, count: int) -> Complexes:
     found = _steady(state, orbit.theta, base, par, phases)
     if not found:
         raise NoSteadyOrbit(f"no steady motion found under {base.size} harmonics of the base")
-    values, turns = _in_stick(phases[:found], orbit.theta, base, par, count)
-    integrals, power = np.empty(count, dtype=np.complex128), values.astype(np.complex128)
-    for i in range(count):
-        power = power * turns
-        integrals[i] = power.sum()
+    period = orbit.motion.period
+    integrals = stick_integrals(phases[:found], period, orbit.theta, base, par, count)
     harmonics: Complexes = (par.k * y + 1j * par.K_z / (math.pi * n) * integrals) / impedance
     return harmonics

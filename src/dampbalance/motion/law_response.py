@@ -15,8 +15,8 @@ def law_response(oscillator: Oscillator, motion: BaseMotion, law: Mapping[str, f
 
     law : term, or symbol of one, → coefficient of the terms besides friction and c, which are the oscillator's, SI.
 
-    Raises NoSteadyOrbit as `steady_response`, ValueError naming the term: unknown, a coefficient that is negative or no
-    number, one that the oscillator has already.
+    Raises NoSteadyOrbit as `steady_response`, ValueError naming a term that is unknown, or the oscillator's own, or
+    whose coefficient is negative or not a number.
     """
     instance("oscillator", oscillator, Oscillator)
     instance("motion", motion, BaseMotion)

@@ -40,9 +40,6 @@ from .regime import Regime
 from .states import State
 from .steady_harmonics import high_harmonics
 
-HARMONICS = 32
-"""Number of odd harmonics of the change that other terms make to an orbit."""
-
 # Points of a phase: exact for the 63rd harmonic over half a cycle and more.
 _POINTS = 40
 
@@ -318,20 +315,12 @@ class Response:
     """The steady response of an oscillator with a law.
 
     orbit : exact, of the oscillator with the equivalent linear damper.   advance : phase by which the base of that
-    orbit is before the real one, rad.   solution : of the equations of the response; None where it is an orbit.
+    orbit leads the real one, rad.   solution : of the equations of the response; None where the orbit is the response.
     """
 
     orbit: Orbit
     advance: float
     solution: Solution | None = field(default=None, repr=False)
-
-    @cached_property
-    def change(self) -> Complexes | None:
-        """x_n less that of the orbit, n = 1, 3 … 63, with the phases of the orbit, m; None where there is none."""
-        if self.solution is None:
-            return None
-        system, q, _ = self.solution
-        return system.harmonics(q, HARMONICS) - self.orbit.harmonics(HARMONICS)
 
     @property
     def turned(self) -> float:
@@ -340,7 +329,7 @@ class Response:
 
     @cached_property
     def _at(self) -> tuple[float, float, float, float] | None:
-        """X, β, V_s and t_s of a response that is no orbit."""
+        """X, β, V_s and t_s of a response that is not its orbit; else None."""
         if self.solution is None:
             return None
         system, q, _ = self.solution

@@ -186,10 +186,7 @@ class Orbit:
         drawn = {"quantity": quantity, "against": against}
         for name, value in drawn.items():
             one_of(name, value, ("t", *State._fields, "y"))
-        if ax is None:
-            from matplotlib import pyplot  # slow to import
-
-            ax = pyplot.figure(layout="constrained").add_subplot()
+        ax = ax or new_axes()
         half, start = 0.5 * self.motion.period, self.theta / self.motion.omega
         begins = self.phases[:, PHASE_T]
         ends = np.append(begins[1:], half)
@@ -246,6 +243,13 @@ class Orbit:
             float(data["theta"]),
             np.array(data["phases"], dtype=float).reshape(-1, 5),
         )
+
+
+def new_axes() -> Axes:
+    """Return the axes of a new figure of pyplot."""
+    from matplotlib import pyplot  # slow to import
+
+    return pyplot.figure(layout="constrained").add_subplot()
 
 
 def symbol(name: str) -> str:

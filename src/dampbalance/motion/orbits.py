@@ -19,7 +19,7 @@ from ..jit import jit
 from ..model import UNITS, Oscillator, Parameters, named_with_unit
 from .events import MOST_RADIANS
 from .integrals import Measures, write_measures
-from .orbit import SHOWN_FIRST, axis_label, in_words, symbol
+from .orbit import SHOWN_FIRST, axis_label, in_words, new_axes, symbol
 from .regime import Regime
 from .steady import MAX_PHASES, NO_CLOSED_FORM, solve_closed, solve_otherwise
 
@@ -94,10 +94,7 @@ class Orbits:
             raise ValueError("nothing varies in these orbits: give arrays to steady_orbits")
         most = max(self.varied, key=lambda name: np.unique(self.given[name]).size)
         against = one_of("against", against, self.varied) if against else most
-        if ax is None:
-            from matplotlib import pyplot  # slow to import
-
-            ax = pyplot.figure(layout="constrained").add_subplot()
+        ax = ax or new_axes()
         x, y = self.given[against].ravel(), getattr(self, feature).ravel()
         others = {name: self.given[name].ravel() for name in self.varied if name != against}
         sets, member = np.unique(

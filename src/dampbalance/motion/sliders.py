@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -26,14 +27,16 @@ from ..arguments import instance, numbers
 from ..arrays import Array
 from ..jit import jit
 from ..model import BaseMotion, Oscillator, Parameters, parameters
-from .events import MOST_RADIANS, PHASE_S, PHASE_T, PHASE_X, PHASE_Z, leaving
+from .events import MOST_RADIANS, PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, leaving
 from .flow import Phase, move, step_response, unit
-from .mirrored import mirrored_state, reversal
 from .orbit import NoSteadyOrbit
 from .states import State
 
 MOST_SLIDERS = 200
-"""Elements of a contact; the time for an orbit, a tenth of a second for so many, grows as the cube of their number."""
+"""Largest number of elements; an orbit on that many takes a tenth of a second, and the time grows as the cube."""
+
+_ACCEPTED = 1e-12
+"""Energy norm of s + Φ(s), relative to that of s, below which a step that does not help is blamed on rounding."""
 
 
 class Sliding(NamedTuple):
@@ -155,6 +158,54 @@ def _states(times: Array, phases: Array, theta: float, of: Sliding) -> Array:
     return out
 
 
+def _mirrored_state(
+    closure: Callable[[Array], tuple[Array, Array]], start: Array, weights: Array, most: int
+) -> Array | None:
+    """Return the state s with Φ(s) = −s; None if it is not found within `most` steps, or any amplitude would do.
+
+    A Newton step that leads away is replaced by −Φ(s), which is never farther from the orbit than s.
+
+    closure : gives s + Φ(s), (n,), and its derivative, (n, n).   weights : whose product with a state has the root of
+    twice its energy as its norm, (n,).
+    """
+    s, (residual, derivative) = start, closure(start)
+    for _ in range(most):
+        size, error = np.linalg.norm(weights * s), np.linalg.norm(weights * residual)
+        # relative energy norm, to rounding
+        if error <= 1e-14 * size:
+            break
+        trial = s - np.linalg.lstsq(derivative, residual)[0]
+        nearer = closure(trial)
+        left = np.linalg.norm(weights * nearer[0])
+        if error <= _ACCEPTED * size and left >= 0.5 * error:
+            break  # rounding keeps it from going lower
+        if left < error:
+            s, (residual, derivative) = trial, nearer
+        else:
+            s = s - residual
+            residual, derivative = closure(s)
+    else:
+        return None
+    scaled = derivative * weights[:, None] / weights
+    # least singular value of 1 + ∂Φ/∂s, about π times the damping ratio: less is rounding
+    return s if np.linalg.svd(scaled, compute_uv=False)[-1] >= 1e-9 else None
+
+
+def _reversal(phases: Sequence[Array], period: float) -> tuple[float, list[float]] | None:
+    """Return (t, state) of the reversal at −X, s, among the phases of a period; None where the velocity has no zero at
+    the start of one.   phases : rows (t, s, x, ẋ, z …).
+
+    Within a period both extremes occur, unless one is at its start: the other, mirrored, gives the reversal at −X.
+    """
+    turns = [row for row in phases[1:] if row[PHASE_V] == 0.0]
+    if not turns:
+        return None
+    row = max(turns, key=lambda row: abs(row[PHASE_X]))
+    side = math.copysign(1.0, row[PHASE_X])
+    t = float(row[PHASE_T]) + 0.5 * period * (side > 0.0)
+    return t % period, (-side * row[PHASE_X:]).tolist()
+
+
 @dataclass(frozen=True, eq=False)
 class SlidersOrbit:
     """Steady response on several Jenkins elements, in place of an `Orbit` where a motion is sampled.
@@ -240,11 +291,11 @@ def sliders_orbit(
     fastest = max(math.sqrt((par.k + kappa.sum()) / par.m), par.c / par.m, par.omega)
     # 2,000 pairs of half periods; Newton's method takes ten or so
     most = min(2000, int(0.5 * MOST_RADIANS / (half * fastest)))
-    state = mirrored_state(closure, np.zeros(2 + n), np.sqrt([par.k, par.m, *kappa]), most)
+    state = _mirrored_state(closure, np.zeros(2 + n), np.sqrt([par.k, par.m, *kappa]), most)
     if state is None:
         raise NoSteadyOrbit(f"found no steady orbit of {oscillator} on {n} sliders under {motion}")
     count = follow(state, 0.0, 2.0 * half, of, phases, nothing)
-    if turned := reversal([*phases[:count]], motion.period):
+    if turned := _reversal([*phases[:count]], motion.period):
         theta, state = par.omega * turned[0], np.array(turned[1])
     else:  # nothing slips: a linear oscillator
         stiffness = par.k + kappa.sum() - par.m * par.omega**2

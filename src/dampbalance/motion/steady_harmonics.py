@@ -4,8 +4,8 @@ The contact force K_z z changes in stick alone, where ż = ẋ, and the equation
 
     (k − n²ω²m + inωc) x_n = kY δ_n1 − f_n,      f_n = 2K_z/(iπn) ∫ ẋ e^{−inωt} dt over stick in half a cycle
 
-Within a stick phase the motion obeys a linear equation: it is followed by Taylor's series, a few radians of its fastest
-motion at a time, which no small divisor spoils.
+The integral is taken by Gauss's rule over panels of a few radians, with the velocity of the closed form of the phase
+(`flow.py`), which no small divisor spoils.
 """
 
 from __future__ import annotations
@@ -18,15 +18,44 @@ from ..arrays import Array, Complexes, Integers
 from ..jit import jit
 from ..model import Parameters
 from .events import PHASE_S, PHASE_T, PHASE_V, PHASE_X, PHASE_Z, read_phase
-from .flow import unit
+from .flow import Phase, move, unit
 from .integrals import GAUSS_NODES, GAUSS_WEIGHTS, PANEL
 from .regime import Regime
 
-_TERMS = 36  # terms of such a series, the last below rounding
-_PLACES = 0.5 * (1.0 + GAUSS_NODES)
-# Velocity of a series of the displacement over a panel, times the weight of Gauss's rule, (terms, places).
-_RATES = (np.arange(_TERMS) * _PLACES[:, None] ** np.maximum(np.arange(_TERMS) - 1.0, 0.0)).T
-_RATES *= 0.5 * GAUSS_WEIGHTS
+
+@jit
+def stick_integrals(
+    phases: Array, end: float, theta: float, y: Complexes, par: Parameters, count: int
+) -> Complexes:
+    """Return ∫ ẋ e^{−inψ} dt over all stick phases, n = 1, 2 … count, m, ψ the phase of the base.
+
+    phases : rows (t, s, x, ẋ, z), the last of which ends at the time `end`, s.   theta : ψ at t = 0, rad.
+    y : harmonics of the base, n = 1, 2 …, m.
+    """
+    Omega2, integrals = (par.k + par.K_z) / par.m, np.zeros(count, dtype=np.complex128)
+    fastest = 2.0 * math.sqrt(Omega2) + (count + y.size) * par.omega
+    for i in range(len(phases)):
+        t, s, x, v, z = read_phase(phases, i)
+        if s != 0.0:
+            continue
+        duration = (end if i + 1 == len(phases) else phases[i + 1, PHASE_T]) - t
+        panels = 1 + int(duration * fastest / PANEL)
+        h, begin = duration / panels, unit(theta + par.omega * t)
+        for panel in range(panels):
+            for node, weight in zip(GAUSS_NODES, GAUSS_WEIGHTS):  # noqa: B905 (compiled)
+                since, rate, power = h * (panel + 0.5 + 0.5 * node), 0.0, begin
+                start, force = v, -(par.k * x + par.K_z * z) / par.m  # free motion, and the first
+                for n in range(y.size):
+                    A, omega = par.k / par.m * y[n] * power, (n + 1) * par.omega
+                    own = Phase(start, force, A, 0.5 * par.c / par.m, Omega2, omega)
+                    rate += move(since, own)[1]
+                    start, force, power = 0.0, 0.0, power * begin
+                turn = begin.conjugate() * unit(-par.omega * since)
+                moved = 0.5 * h * weight * rate * turn
+                for n in range(count):
+                    integrals[n] += moved
+                    moved *= turn
+    return integrals
 
 
 def steady_harmonics(
@@ -40,13 +69,9 @@ def steady_harmonics(
     if regime is Regime.NO_SLIP:
         stiff[:1] += par.K_z
     elif regime in (Regime.ONE_SLIP, Regime.SEVERAL_SLIPS):
-        series, places = _stuck(phases, theta, par, count)
-        values = (series @ _RATES).ravel()
-        turns = np.exp(-1j * (places[:, :1] + places[:, 1:] * _PLACES)).ravel()
-        squares = turns * turns
-        for i in range(count):
-            force[i] += 2j * par.K_z / (math.pi * n[i]) * (values @ turns)
-            turns *= squares
+        base, half = np.array([complex(par.Y)]), math.pi / par.omega
+        integrals = stick_integrals(phases, half, theta, base, par, 2 * count)[::2]
+        force += 2j * par.K_z / (math.pi * n) * integrals
     harmonics: Complexes = force / (
         stiff - (n * par.omega) ** 2 * par.m + 1j * n * par.omega * par.c
     )
@@ -73,60 +98,3 @@ def high_harmonics(phases: Array, theta: float, par: Parameters, n: Integers) ->
             x += sign * np.exp(-1j * n * (theta + par.omega * at[PHASE_T])) * rest
     x *= -2.0 * par.omega * par.K_z / (math.pi * s) / (par.m * s**2 + par.c * s + par.k + par.K_z)
     return x / (par.m * s**2 + par.c * s + par.k)
-
-
-@jit
-def _stuck(phases: Array, theta: float, par: Parameters, count: int) -> tuple[Array, Array]:
-    """Return the Taylor series of the displacement in stick over the part of each panel that has passed, (panels,
-    terms), and the phase ψ of the base at the start of the panel and its advance, (panels, 2)."""
-    half, longest, stiff = math.pi / par.omega, len(phases), par.k + par.K_z
-    fastest = max(math.sqrt(stiff / par.m), par.c / par.m, par.omega)
-    integrand = 2.0 * math.sqrt(stiff / par.m) + 2.0 * count * par.omega
-    panels, durations = np.zeros(longest, dtype=np.int64), np.zeros(longest)
-    for i in range(longest):
-        t, s, _, _, _ = read_phase(phases, i)
-        durations[i] = (phases[i + 1, PHASE_T] if i + 1 < longest else half) - t
-        if s == 0.0:
-            # four radians of the fastest of Ω, 2δ and ω: a series over more loses more than two digits
-            panels[i] = 1 + int(durations[i] * max(fastest / 4.0, integrand / PANEL))
-    series, places = np.zeros((panels.sum(), _TERMS)), np.empty((panels.sum(), 2))
-    at = 0
-    for i in range(longest):
-        t, _, x, v, z = read_phase(phases, i)
-        gained, rate, force = 0.0, v, -(par.k * x + par.K_z * z) / par.m
-        for panel in range(panels[i]):
-            h = durations[i] / panels[i]
-            psi = theta + par.omega * (t + panel * h)
-            places[at, 0], places[at, 1] = psi, par.omega * h
-            gained, rate = _follow(h, psi, gained, rate, force, par, series[at])
-            at += 1
-    return series, places
-
-
-@jit
-def _follow(
-    h: float, psi: float, gained: float, rate: float, force: float, par: Parameters, series: Array
-) -> tuple[float, float]:
-    """Return (u, u̇) a time h after the base phase ψ, from u̇̇ = f + Re[A e^{iψ}] − 2δu̇ − Ω²u, whose series goes to
-    `series`:
-
-    n(n−1) uₙ = h² fₙ₋₂ − 2δh (n−1) uₙ₋₁ − Ω²h² uₙ₋₂
-    """
-    damping, square = par.c / par.m * h, (par.k + par.K_z) / par.m * h * h
-    radians = max(damping, math.sqrt(square), par.omega * h)
-    turn, advance, drive = unit(psi), par.omega * h, par.k * par.Y / par.m * h * h
-    series[0], series[1] = gained, h * rate
-    before, last = gained, h * rate
-    u, v = before + last, last
-    for n in range(2, min(_TERMS, 12 + int(6.0 * radians))):
-        term = drive * turn.real - damping * (n - 1) * last - square * before
-        if n == 2:
-            term += h * h * force
-        term /= n * (n - 1)
-        series[n] = term
-        u += term
-        v += n * term
-        before, last = last, term
-        drive *= advance / (n - 1)
-        turn = complex(-turn.imag, turn.real)
-    return u, v / h

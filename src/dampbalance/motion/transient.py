@@ -57,8 +57,8 @@ def transient(
     motion : of the base; None for a free decay, y = 0.
     x : displacement, m.   v : velocity, m/s.   z : deflection of the contact spring, m, |z| ≤ Z_m.
 
-    Raises ValueError naming the argument: what is no number, a state that the contact cannot have, an end before the
-    start, a motion of more phases than can be followed.
+    Raises ValueError naming the argument that is not a number, a deflection beyond Z_m, an end that is not later than
+    the start, and a span too long to be followed.
 
     >>> from dampbalance import Oscillator, transient
     >>> osc = Oscillator(m=2.42, c=90.0, k=2310.0, K_z=208000.0, F_k=1.28)

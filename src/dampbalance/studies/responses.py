@@ -104,7 +104,7 @@ def of_response(
         "W": -math.pi * k * motion.Y * x[0].imag,
         **{f"X_{order}": abs(x[i]) for i, order in enumerate((1, 3, 5))},
     }
-    if response.change is not None and response.slips:
+    if response.solution is not None and response.slips:
         X_s = 2.0 * response.orbit.oscillator.Z_m - response.X
         changed |= {"X_s": X_s, "V_s": response.V_s, "t_s": response.t_s}
         changed |= {"X_r": -X_s, "V_r": -response.V_s, "t_r": response.t_s}
