@@ -94,14 +94,14 @@ STILL = FORCED | {"base_displacement [m]": 0.0 * FORCED["time_s"]}
 A = -((2.0 * math.pi * HERTZ) ** 2) * FORCED["displacement [m]"]
 
 
-def decay():
-    """A free decay whose accelerometer is upside down."""
+def decay(factor):
+    """A free decay whose accelerometer shows so many times its acceleration."""
     of = {"x": 0.008, "rate_hz": 1200.0, "duration": 2.5, "noise": 0.001}
     sensors = "displacement", "acceleration"
     x, a = measured_ring_down(
         replace(OSC, c=3.0, F_k=0.8), channels=sensors, **of
     ).channels.values()
-    return {"time_s": x.t, "displacement_m": x.values, "acceleration_m_per_s2": -a.values}
+    return {"time_s": x.t, "displacement_m": x.values, "acceleration_m_per_s2": factor * a.values}
 
 
 @pytest.mark.parametrize(
@@ -116,7 +116,8 @@ def decay():
         # another sensor, upside down or in g
         ({**FORCED, "acceleration_m_per_s2": -A}, {}, "sign: -1"),
         ({**FORCED, "acceleration_g": A}, {}, "unit: "),
-        (decay(), {}, "sign: -1"),
+        (decay(-1.0), {}, "sign: -1"),
+        (decay(1.0 / 9.80665), {}, "unit: "),
     ],
 )
 def test_a_refusal_names_what_helps(table, options, named):

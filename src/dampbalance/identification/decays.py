@@ -34,7 +34,7 @@ from ..records.mapping import MappingLike
 from ..records.measured import as_records
 from ..records.record import Record
 from ..signals.bursts import NoDecay, Signal, bursts_of, noise_of, sharpest, too_few_samples
-from ..signals.checks import plausible
+from ..signals.checks import plausible, require_one_motion
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
 from ..signals.drive import stands_still
@@ -288,6 +288,9 @@ def identify_decay_records(
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
         warnings += [words.about(record.name) for words in odd]
         try:
+            if len(signals) > 1:
+                first = max(bursts_of(sharpest(signals)), key=lambda burst: burst.swing)
+                require_one_motion(signals, first, record.coordinate)
             separate, bursts = separate_fits(record.name, signals, k, pendulum)
         except NoDecay as error:
             raise ValueError(_unclear(record, k, str(error))) from None
@@ -329,8 +332,7 @@ def identify_decay_records(
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
-        several = any(len(record.responses) > 1 for record in records)
-        numbers = {"k": k, "halves": halves, "share": fit.residual_share, "several": several}
+        numbers = {"k": k, "halves": halves, "share": fit.residual_share}
         why = Finding("no friction contact", numbers)
         names = ", ".join(dict.fromkeys(one.source for one in fit.decays))
         raise ValueError(f"{names}: {sentence(why, records[0].coordinate)}")

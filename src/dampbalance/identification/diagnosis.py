@@ -12,6 +12,7 @@ import numpy as np
 from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
 from ..fit.goodness import LinearFit
+from ..fit.waveforms import WaveformFit
 from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import CERTAIN
 from .answer import Answer
@@ -21,6 +22,7 @@ from .oscillator import CommonFit
 from .weighing import said_of
 
 _WORSE_IN_ROWS = {"clipped", "unsettled"}
+_SAME_LEVEL = 0.05  # of ln X: levels that do not show how anything depends on X
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
 
@@ -81,7 +83,42 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         main, others = fit.problem.scales
         numbers = {"fundamentals": main, "harmonics": others, "worst": worst}
         # fundamentals alone do not tell a contact that yields gradually from one of another stiffness
-        yield Finding("far from all", numbers, {"K_z": math.inf})
+        yield Finding("far from all", numbers, {**by_distortion(fit), "K_z": math.inf})
+
+
+def by_distortion(fit: WaveformFit) -> dict[str, float]:
+    """Return the relative error that each coefficient of a fit may have by a linear distortion of the response, such as
+    an echo; empty where the third harmonics show none.
+
+    A distortion changes every harmonic of all levels by a part of it. Next to the fundamentals the harmonics hardly
+    count, and the fit takes the change of the fundamental for damping. That of the third shows how large it is: a part
+    h that does not depend on the level. Other causes change the third harmonic by parts that do: a contact that yields
+    gradually by a part ∝ 1/X, a spring, a sensor or another mode by a part ∝ X. For a part ∝ X^p, the error is
+    that of fundamentals which are off by h · min(1, 2 − 2|p|).
+    """
+    main, others = fit.problem.scales
+    rows, gain = list[tuple[float, float, float]](), np.zeros(fit.problem.samples, dtype=complex)
+    for one, place in zip(fit.lines, fit.problem.places, strict=True):
+        read = one.x - np.where(one.n == 1, one.of_base * one.Y, 0.0)
+        ratio = read / one.x_error / np.where(one.n == 1, main, others)
+        gain[place] = np.concatenate([[0.0, 0.0], ratio, -1j * ratio])  # Re x_n, Im x_n of a gain
+        if one.n.size > 1:
+            re, im = others * fit.residual[place][[3, 3 + one.n.size]]
+            left = math.hypot(re, im)
+            if left > CERTAIN:
+                error = one.x_error[1] / abs(one.x[1])
+                rows.append((math.log(abs(one.x[0])), math.log(left * error), left))
+    if len(rows) < 2:
+        return {}
+    X, part, weights = np.transpose(rows)
+    p = float(np.polyfit(X, part, 1, w=weights)[0]) if np.ptp(X) > _SAME_LEVEL else 0.0
+    h = math.exp(float(np.average(part, weights=weights**2))) * min(
+        1.0, max(0.0, 2.0 - 2.0 * abs(p))
+    )
+    keys = [key for key in fit.law.unknowns if fit.value(key)]
+    by = fit.response[[fit.parameters.places[key] for key in keys]]
+    sizes = np.abs(by @ gain).tolist()  # by the gain and by a turn of the phase
+    return {key: h * abs(size / fit.value(key)) for key, size in zip(keys, sizes, strict=True)}
 
 
 def _too_stiff(
