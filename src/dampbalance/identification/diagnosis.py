@@ -1,5 +1,5 @@
-"""What the fit of one oscillator to all forced records shows: departures, a wrong mass or stiffness, a contact that
-sticks, records that no oscillator explains."""
+"""Findings from the fit of one oscillator to all forced records: departures, a wrong mass or stiffness, a contact that
+only sticks, records that no oscillator explains."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
 
 def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
-    """Return the findings on single records. A drive that is not harmonic is no matter where the fundamentals are those
-    of an oscillator within noise, and no unit is asked for where one explains a rare ratio of amplitudes."""
+    """Return the findings on single records. A drive that is not harmonic does no harm where an oscillator explains the
+    fundamentals within noise, and a rare ratio of amplitudes is no sign of a wrong unit where one explains it."""
     fit = common.fit
     holds = fit is not None and fit.adequate and fit.problem.scales[0] == 1.0
     found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
@@ -39,8 +39,8 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
 
 
 def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) -> Iterator[Finding]:
-    """Yield findings on all records together: what the common fit shows, which levels fail, which coefficients the
-    balance by direct integration hardly distinguishes."""
+    """Yield the findings on all records together: those of the common fit, levels that only stick, and coefficients
+    that the balance by direct integration hardly distinguishes."""
     yield from _on_the_oscillator(readings, common)
     if still := [str(i) for i, of in enumerate(readings, 1) if of.slips is False]:
         yield Finding("only sticks", {"records": ", ".join(still)})
@@ -54,8 +54,8 @@ def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) ->
 
 
 def not_in_rows(readings: Sequence[Reading], common: CommonFit) -> list[str]:
-    """Return what acts in the rows of the balance more than in the fit, by the names of models: clipped cycles, a
-    motion that drifts, departures."""
+    """Return, by the names of models, what the rows of the balance suffer from more than the fit does: clipped cycles,
+    a motion that drifts, departures."""
     codes = dict.fromkeys(one.code for reading in readings for one in reading.warnings)
     return [*filter(_WORSE_IN_ROWS.__contains__, codes), *common.in_rows]
 
@@ -124,25 +124,26 @@ def by_distortion(fit: WaveformFit) -> dict[str, float]:
 def _too_stiff(
     readings: Sequence[Reading], stuck: LinearFit, mass: float | None
 ) -> Iterator[Finding]:
-    """Yield a finding where a contact that only sticks would have a stiffness below zero: the stiffness that is given
-    is too high by as much at least, as a contact adds to that of the spring."""
+    """Yield a finding where a contact that only sticks would have a negative stiffness: the given stiffness is too high
+    by at least as much, since a contact can only add to that of the spring."""
     if stuck.contact >= -CERTAIN * stuck.contact_error:
         return
     steady = readings[0].steady
     of_base = "force" not in steady.channels and steady.base_mass is None and mass is not None
-    # a base that moves tells k/m, a force k itself
+    # a base that moves shows k/m, a force k itself
     left = (mass or 0.0) * stuck.by_mass if of_base else stuck.k + stuck.contact
     too_high = -stuck.contact / left if left > 0.0 else 0.0
     yield Finding("too stiff", {"too_high": too_high}, {"": too_high or math.inf})
 
 
 def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:
-    """Return the finding that a mass is not that of the records, and that each number may be off by as much.
+    """Return the finding that the records contradict a mass, and that each number may be off by as much.
 
-    m, c, k, K_z and F_k times a number are an oscillator of the same motion: where the mass is right, the stiffness is
-    likely wrong, and all numbers by as much.
+    m, c, k, K_z and F_k, all times the same number, are an oscillator of the same motion: if the mass is right, the
+    stiffness is likely wrong, and all numbers by the same factor.
 
-    mass : kg, as given.   by_force : whether a load cell measures what drives, and feels what is between.
+    mass : kg, as given.   by_force : whether a load cell measures the drive, and carries what is between it and the
+    mass.
     """
     ratio = mass / fit.m
     meant = tuple(
@@ -155,8 +156,10 @@ def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:
     return Finding("mass", numbers, {"": abs(ratio - 1.0)})
 
 
-_CLOSE = 0.03  # relative: what a gain and a mass that nobody weighed leave between two units
-_MISTAKEN = {  # quantity and its unit → how many times the given number is too large a mass, or too small a stiffness
+_CLOSE = (
+    0.03  # relative deviation from a factor of two units: errors of gains and of a guessed mass
+)
+_MISTAKEN = {  # quantity, unit → factor by which the mass is too large, or the stiffness too small, if that was meant
     ("k", "N/mm"): 1000.0,
     ("m", "g"): 1000.0,
     ("k", "N/cm"): 100.0,
