@@ -44,8 +44,10 @@ def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> 
             effect = {s: max(by, fitted.parameters[s].within) for s, by in of_stick.items()}
             yield Finding("onset of the closest", effect=effect)
         if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
-            times = {"times": math.sqrt(answer.misfit)}
-            yield Finding("rows scatter", times, by_scatter(answer.coefficients, answer.misfit))
+            # the intervals, as many times as wide as the rows scatter
+            times = math.sqrt(answer.misfit)
+            effect = {s: times * p.within for s, p in answer.coefficients.items()}
+            yield Finding("rows scatter", {"times": times}, effect)
     if common.in_rows and common.answer is not None:
         # the rows may be off by their distance to the far end of the interval
         ends = common.answer.intervals
@@ -54,12 +56,6 @@ def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> 
             for s, p in answer.coefficients.items()
         }
         yield Finding("rows uncorrected", effect=off)
-
-
-def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
-    """Return the relative error that each coefficient may have by the scatter of the rows: its interval, widened by the
-    root of χ² per degree of freedom.   misfit : that χ²."""
-    return {symbol: math.sqrt(misfit) * p.within for symbol, p in coefficients.items()}
 
 
 def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str, float]:

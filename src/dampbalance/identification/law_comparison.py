@@ -28,7 +28,6 @@ from ..findings.finding import Finding
 from ..fit.decay import DecayFit
 from ..fit.decay_departures import departures_of
 from ..fit.multistart import Trail, multistart
-from ..fit.parameters import Parameters
 from ..fit.score import Departure, departures_from
 from ..fit.search import sound
 from ..fit.select import NOISE_ALONE, PRIORS, REFITTED, bayes_factor, evidence_of, noise_of
@@ -297,7 +296,12 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
     sizes = {s: force * unit for s, unit in units.items()}
 
     def fitted(kept: Terms, near: DecayFit) -> DecayFit | None:
-        return fit_law(fit, kept, (near.parameters, fit.parameters))
+        others = {s for s in fit.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in kept)}
+        out = {one.key: 0.0 for one in fit.parameters if one.name in {*DECAY_TERMS} - {*kept}}
+        points = (start.by_key | out for start in (near.parameters, fit.parameters))
+        free = others | {*map(str, kept)}
+        ends = multistart(fit.problem, [fit.problem.parameters(one, free) for one in points])
+        return ends[0] if ends else None
 
     def scored(kept: Terms, of: DecayFit) -> Tests:
         return {one.symbol: [one] for one in departures_of(of) if one.symbol in DECAY_TERMS}
@@ -305,19 +309,3 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
     first = in_order(s for s in DECAY_TERMS if s in fit.free), fit
     laws = weighed(_laws(DECAY_TERMS[1:]), first, sizes, fitted, scored)
     return LawComparison(*laws, (Finding("damping alike in decays"),), decays=True)
-
-
-def fit_law(
-    fit: DecayFit, terms: Sequence[str], starts: Sequence[Parameters] = ()
-) -> DecayFit | None:
-    """Return the fit of an oscillator with a law, no coefficient negative, to the decays of another fit; None where no
-    climb leads to one.
-
-    terms : of `DECAY_TERMS`.   starts : of the climbs; default, the given fit.
-    """
-    kept = {s for s in fit.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in terms)}
-    out = {one.key: 0.0 for one in fit.parameters if one.name in {*DECAY_TERMS} - {*terms}}
-    points = (start.by_key | out for start in starts or (fit.parameters,))
-    free = kept | {*map(str, terms)}
-    ends = multistart(fit.problem, [fit.problem.parameters(one, free) for one in points])
-    return ends[0] if ends else None
