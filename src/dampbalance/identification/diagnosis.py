@@ -22,6 +22,7 @@ from .oscillator import CommonFit
 from .weighing import said_of
 
 _WORSE_IN_ROWS = {"clipped", "unsettled"}
+_RESONANCE = 0.3  # part of a harmonic: where more of it is not fitted, a mode is near it, and not near the fundamental
 _SAME_LEVEL = 0.05  # of ln X: levels that do not show how anything depends on X
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
@@ -92,9 +93,9 @@ def by_distortion(fit: WaveformFit) -> dict[str, float]:
 
     A distortion changes every harmonic of all levels by a part of it. Next to the fundamentals the harmonics hardly
     count, and the fit takes the change of the fundamental for damping. That of the third shows how large it is: a part
-    h that does not depend on the level. Other causes change the third harmonic by parts that do: a contact that yields
-    gradually by a part ∝ 1/X, a spring, a sensor or another mode by a part ∝ X. For a part ∝ X^p, the error is
-    that of fundamentals which are off by h · min(1, 2 − 2|p|).
+    h of the fitted one, whatever the level. Other causes change the third harmonic by a part that depends on the level:
+    a contact that yields gradually by a part ∝ 1/X, a spring, a sensor or another mode by a part ∝ X. For a part ∝ X^p,
+    the fundamentals are taken to be off by h · min(1, 2 − 2|p|).
     """
     main, others = fit.problem.scales
     rows, gain = list[tuple[float, float, float]](), np.zeros(fit.problem.samples, dtype=complex)
@@ -103,18 +104,18 @@ def by_distortion(fit: WaveformFit) -> dict[str, float]:
         ratio = read / one.x_error / np.where(one.n == 1, main, others)
         gain[place] = np.concatenate([[0.0, 0.0], ratio, -1j * ratio])  # Re x_n, Im x_n of a gain
         if one.n.size > 1:
-            re, im = others * fit.residual[place][[3, 3 + one.n.size]]
-            left = math.hypot(re, im)
-            if left > CERTAIN:
-                error = one.x_error[1] / abs(one.x[1])
-                rows.append((math.log(abs(one.x[0])), math.log(left * error), left))
+            left = others * complex(*fit.residual[place][[3, 3 + one.n.size]])
+            model = abs(one.x[1] / one.x_error[1] + left)
+            if abs(left) > CERTAIN:
+                rows.append((math.log(abs(one.x[0])), math.log(abs(left) / model), abs(left)))
     if len(rows) < 2:
         return {}
     X, part, weights = np.transpose(rows)
     p = float(np.polyfit(X, part, 1, w=weights)[0]) if np.ptp(X) > _SAME_LEVEL else 0.0
-    h = math.exp(float(np.average(part, weights=weights**2))) * min(
-        1.0, max(0.0, 2.0 - 2.0 * abs(p))
-    )
+    h = math.exp(float(np.average(part, weights=weights**2)))
+    if h > _RESONANCE or abs(p) >= 1.0:
+        return {}
+    h *= min(1.0, 2.0 - 2.0 * abs(p))
     keys = [key for key in fit.law.unknowns if fit.value(key)]
     by = fit.response[[fit.parameters.places[key] for key in keys]]
     sizes = np.abs(by @ gain).tolist()  # by the gain and by a turn of the phase
