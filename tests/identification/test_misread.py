@@ -102,6 +102,9 @@ def decay(factor):
     return {"time_s": x.t, "displacement_m": x.values, "acceleration_m_per_s2": factor * a.values}
 
 
+AS_NAMED = {"channels": {q: {"channel": q} for q in ("displacement", "acceleration")}}
+
+
 @pytest.mark.parametrize(
     ("table", "options", "named"),
     [
@@ -115,7 +118,7 @@ def decay(factor):
         ({**FORCED, "acceleration_m_per_s2": -A}, {}, "sign: -1"),
         ({**FORCED, "acceleration_g": A}, {}, "unit: "),
         (decay(-1.0), {}, "sign: -1"),
-        (decay(1.0 / 9.80665), {}, "unit: "),
+        (decay(1.0 / 9.80665), {"mapping": AS_NAMED}, "record 1: acceleration contradicts.*unit: "),
     ],
 )
 def test_a_refusal_names_what_helps(table, options, named):

@@ -34,7 +34,7 @@ from ..records.mapping import MappingLike
 from ..records.measured import as_records
 from ..records.record import Record
 from ..signals.bursts import NoDecay, Signal, bursts_of, noise_of, sharpest, too_few_samples
-from ..signals.checks import plausible, require_one_motion
+from ..signals.checks import contradiction_in, plausible
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
 from ..signals.drive import stands_still
@@ -294,13 +294,14 @@ def identify_decay_records(
         try:
             if len(signals) > 1:
                 first = max(bursts_of(sharpest(signals)), key=lambda burst: burst.swing)
-                require_one_motion(signals, first, record.coordinate)
+                if contradiction := contradiction_in(signals, first, record.coordinate):
+                    raise ValueError(f"{record.name}: {contradiction}")
             separate, bursts = separate_fits(record.name, signals, k, pendulum)
+            if not separate:
+                step = min(signal.dt for signal in signals)
+                raise NoDecay(too_few_samples(bursts[0].period / step))
         except NoDecay as error:
             raise ValueError(_unclear(record, k, str(error))) from None
-        if not separate:
-            few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
-            raise ValueError(_unclear(record, k, few))
         warnings += [
             Finding("no decay", {"time": float(burst.turn)}, of=record.name) for burst in bursts
         ]

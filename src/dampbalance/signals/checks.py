@@ -166,7 +166,8 @@ def consistency(
         names = {"quantity": coordinate.noun(name), "other": coordinate.noun(first)}
         # 0.5 rad: no delay of a channel, but a sign or another quantity
         if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > 0.5:
-            raise ValueError(_contradiction(*names.values(), "the drive frequency", gain, phase))
+            of = names["quantity"], names["other"]
+            raise ValueError(_contradiction(*of, "the drive frequency", gain, phase))
         late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)
         # F_k and c are as wrong as the gain
         scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, 1e-4)
@@ -179,12 +180,12 @@ def consistency(
         moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
 
 
-def require_one_motion(signals: Sequence[Signal], burst: Burst, coordinate: Coordinate) -> None:
-    """Raise ValueError where the channels of a free decay contradict each other by a sign or by a factor of two units,
-    which no fit of all of them survives.
+def contradiction_in(signals: Sequence[Signal], burst: Burst, coordinate: Coordinate) -> str:
+    """Return how the channels of a free decay contradict each other by a sign or by a factor of two units, which no fit
+    of all of them explains; empty if they do not.
 
-    Compared are the lines at the frequency of the decay in its first cycles; those of a motion that is no sine differ
-    by less.
+    Their lines at the frequency of the decay are compared over its first cycles. Friction and damping change these by
+    less.
     """
     omega, end = 2.0 * math.pi / burst.period, burst.turn + _COMPARED * burst.period
 
@@ -200,7 +201,8 @@ def require_one_motion(signals: Sequence[Signal], burst: Burst, coordinate: Coor
         gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
         if not 1.0 / _OTHER_UNIT < gain < _OTHER_UNIT or abs(phase) > 0.75 * math.pi:
             names = coordinate.noun(other.quantity), coordinate.noun(first.quantity)
-            raise ValueError(_contradiction(*names, f"{1.0 / burst.period:.3g} Hz", gain, phase))
+            return _contradiction(*names, f"{1.0 / burst.period:.3g} Hz", gain, phase)
+    return ""
 
 
 def _contradiction(quantity: str, other: str, where: str, gain: float, phase: float) -> str:
