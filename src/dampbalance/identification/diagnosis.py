@@ -84,10 +84,10 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         main, others = fit.problem.scales
         numbers = {"fundamentals": main, "harmonics": others, "worst": worst}
         # fundamentals alone do not tell a contact that yields gradually from one of another stiffness
-        yield Finding("far from all", numbers, {**by_distortion(fit), "K_z": math.inf})
+        yield Finding("far from all", numbers, {**_by_distortion(fit), "K_z": math.inf})
 
 
-def by_distortion(fit: WaveformFit) -> dict[str, float]:
+def _by_distortion(fit: WaveformFit) -> dict[str, float]:
     """Return the relative error that each coefficient of a fit may have by a linear distortion of the response, such as
     an echo; empty where the third harmonics show none.
 
