@@ -58,8 +58,8 @@ CORNER = 0.15 * SOUND.omega_n
 
 
 def coupled():
-    channel = record(replace(SOUND, rate_hz=1000.0))[0].responses[0]
-    poles = butter(1, CORNER / (2.0 * np.pi), "high", fs=1000.0, output="sos")
+    channel = record(replace(SOUND, rate_hz=500.0))[0].responses[0]
+    poles = butter(1, CORNER / (2.0 * np.pi), "high", fs=500.0, output="sos")
     values = sosfilt(poles, channel.values - channel.values[0])
     return [Record.of("coupled", [Channel(channel.quantity, channel.t, values)])]
 

@@ -199,22 +199,26 @@ def test_a_level_that_does_not_slip_leaves_the_balance_without_a_star():
 # --- contacts of other kinds, harmonics that fold, and degrees of freedom ---------------------------
 
 
+def followed(contact, osc, hz, noise, echo=0.0, late=0.0):
+    """Readings of the independent integrator's motion on a contact, and of its echo: a part of it, so late, s."""
+    omega, random = 2.0 * math.pi * hz, np.random.default_rng(4)
+    t, of = np.arange(2000) / 500.0, []
+    for Y in (0.004, 0.008, 0.012):
+        motion = steady_on(contact, osc.m, osc.c, osc.k, Y, omega)
+        x, delayed = (motion(np.mod(omega * s, 2.0 * math.pi))[0] for s in (t, t - late))
+        both = (
+            one + noise * one.std() * random.normal(size=t.size)
+            for one in (Y * np.cos(omega * t), x + echo * delayed)
+        )
+        record = Record.of("followed", [*map(Channel, THREE[:2], (t, t), both)])
+        of.append(read_features(record, osc.k))
+    return of
+
+
 def test_a_contact_that_no_departure_explains_keeps_F_k_and_c_and_its_K_z_is_doubted():
     """That of Bouc and Wen next to a noise that shows what one of Iwan lacks."""
-    osc, omega, random = (
-        replace(PAPER, K_z=20_000.0),
-        2.0 * math.pi * NEAR,
-        np.random.default_rng(4),
-    )
-    contact, t, of = CONTACTS["Bouc–Wen, n = 1"](osc.K_z, osc.F_k), np.arange(2000) / 500.0, []
-    for Y in (0.004, 0.008, 0.012):
-        x = steady_on(contact, osc.m, osc.c, osc.k, Y, omega)(np.mod(omega * t, 2.0 * math.pi))[0]
-        both = (
-            one + 2e-4 * one.std() * random.normal(size=t.size)
-            for one in (Y * np.cos(omega * t), x)
-        )
-        record = Record.of("gradual", [*map(Channel, THREE[:2], (t, t), both)])
-        of.append(read_features(record, osc.k))
+    osc = replace(PAPER, K_z=20_000.0)
+    of = followed(CONTACTS["Bouc–Wen, n = 1"](osc.K_z, osc.F_k), osc, NEAR, 2e-4)
     found = identified(of)
     for symbol in ("F_k", "c"):
         assert found.values[symbol] == pytest.approx(getattr(PAPER, symbol), rel=0.003)
@@ -222,6 +226,20 @@ def test_a_contact_that_no_departure_explains_keeps_F_k_and_c_and_its_K_z_is_dou
     assert [found.verdicts[s].verdict for s in SYMBOLS] == ["usable", "usable", "doubtful"]
     off = abs(found.values["K_z"] / osc.K_z - 1.0)
     assert found.verdicts["K_z"].within is None or found.verdicts["K_z"].within > off
+
+
+def test_an_echo_in_the_response_doubts_the_damping_that_it_looks_like():
+    osc = replace(PAPER, c=9.0)
+    contact = np.array([(osc.K_z, osc.F_k, 0.0)])
+    found = identified(followed(contact, osc, 3.5, 1e-3, echo=0.05, late=0.06))
+    off, verdict = abs(found.values["c"] / osc.c - 1.0), found.verdicts["c"]
+    assert off > 0.1
+    (far,) = (one for one in found.findings if one.code == "far from all")
+    assert verdict.verdict == "doubtful"
+    assert 0.5 * off < far.effect["c"] < 2.0 * off
+    # the levels differ in the share of friction, which a gain and a turn of all of them do not change
+    assert found.values["F_k"] == pytest.approx(osc.F_k, rel=0.01)
+    assert found.verdicts["F_k"].verdict == "usable"
 
 
 def test_harmonics_above_half_the_sampling_rate_move_no_number():

@@ -28,9 +28,8 @@ def tables(drive, response, factors=(1.0, 1.0), units=None):
 @pytest.mark.parametrize(
     ("drive", "response", "factors", "units", "quantity", "remedy"),
     [
-        # inches called mm, lbf called N, mm called in
+        # inches called mm, mm called in
         ("base_displacement", "displacement", (1 / 0.0254, 1e3), ("mm", "mm"), 0, {"unit": "in"}),
-        ("force", "displacement", (1 / 4.44822, 1e3), ("N", "mm"), 0, {"unit": "lbf"}),
         ("base_velocity", "velocity", (1e3, 1e3), ("mm/s", "in/s"), 1, {"unit": "mm/s"}),
         # an amplitude times a frequency in Hz
         ("base_displacement", "velocity", (1e3, 500 / math.pi), ("mm", "mm/s"), 1, {"scale": TURN}),
@@ -58,7 +57,7 @@ def test_named_channel_with_the_remedy_gives_the_truth(
     found = identify(given, stiffness=OSC.k, mapping={"channels": rules})
     assert not found.no_answer
     for symbol in ("F_k", "c"):
-        # three standard errors, and what 4.44822 and 6.28319 are rounded to
+        # three standard errors, and what 6.28319 is rounded to
         error = 3.0 * found.standard_errors[symbol] + 1e-5 * getattr(OSC, symbol)
         assert found.values[symbol] == pytest.approx(getattr(OSC, symbol), abs=error)
 
@@ -76,10 +75,9 @@ def test_exchanged_channels_are_not_called_turned():
     assert "misread" not in codes
 
 
-@pytest.mark.parametrize("factor", [1.0, 9.80665])
-def test_nothing_is_asked_where_the_records_hold(factor):
+def test_nothing_is_asked_where_the_records_hold():
     # both channels alike: no record shows it, and F_k is in proportion
-    of = "base_acceleration", "acceleration"
+    of, factor = ("base_acceleration", "acceleration"), 9.80665
     found = identify(tables(*of, (factor, factor), ("m/s²", "m/s²")), stiffness=OSC.k)
     assert not any(one.code == "misread" for one in found.findings)
     assert any(one.code == "gains" for one in found.rig)
@@ -94,14 +92,17 @@ STILL = FORCED | {"base_displacement [m]": 0.0 * FORCED["time_s"]}
 A = -((2.0 * math.pi * HERTZ) ** 2) * FORCED["displacement [m]"]
 
 
-def decay():
-    """A free decay whose accelerometer is upside down."""
+def decay(factor):
+    """A free decay whose accelerometer shows so many times its acceleration."""
     of = {"x": 0.008, "rate_hz": 1200.0, "duration": 2.5, "noise": 0.001}
     sensors = "displacement", "acceleration"
     x, a = measured_ring_down(
         replace(OSC, c=3.0, F_k=0.8), channels=sensors, **of
     ).channels.values()
-    return {"time_s": x.t, "displacement_m": x.values, "acceleration_m_per_s2": -a.values}
+    return {"time_s": x.t, "displacement_m": x.values, "acceleration_m_per_s2": factor * a.values}
+
+
+AS_NAMED = {"channels": {q: {"channel": q} for q in ("displacement", "acceleration")}}
 
 
 @pytest.mark.parametrize(
@@ -116,7 +117,8 @@ def decay():
         # another sensor, upside down or in g
         ({**FORCED, "acceleration_m_per_s2": -A}, {}, "sign: -1"),
         ({**FORCED, "acceleration_g": A}, {}, "unit: "),
-        (decay(), {}, "sign: -1"),
+        (decay(-1.0), {}, "sign: -1"),
+        (decay(1.0 / 9.80665), {"mapping": AS_NAMED}, "record 1: acceleration contradicts.*unit: "),
     ],
 )
 def test_a_refusal_names_what_helps(table, options, named):

@@ -171,7 +171,7 @@ def limit(symbol: str, low: float, high: float, vocabulary: Vocabulary) -> str:
 
 
 def masses(implied: float, given: float, vocabulary: Vocabulary) -> str:
-    """Return "records imply 3.1000 kg, you gave 3.098 kg (0.065 % less)"."""
+    """Return the comparison of two masses, "records imply 3.1000 kg, you gave 3.098 kg (0.06 % less)"."""
     ratio, off, unit = given / implied, given / implied - 1.0, vocabulary.unit("kg")
     if not 0.5 < ratio < 2.0:
         how = f"{times(ratio)} that"
@@ -203,13 +203,10 @@ def _formed(value: Any, form: str, scale: float, vocabulary: Vocabulary) -> str:
     return number_text(value, int(form)) if form.isdigit() else written(value, form or ".6g")
 
 
-def _changes(values: Any, vocabulary: Vocabulary, by: str = "by") -> str:
-    return listed(
-        [
-            f"{vocabulary.symbol(s)} {by} {change_text(p, off, vocabulary.unit(unit_of(s)))}"
-            for s, p, off in values
-        ]
-    )
+def _changes(values: Any, of: Vocabulary) -> str:
+    """Return changes of numbers, (symbol, value, change), in words: "F_k by 0.01 N"."""
+    texts = (f"{of.symbol(s)} by {change_text(p, by, of.unit(unit_of(s)))}" for s, p, by in values)
+    return listed([*texts])
 
 
 def _symbols(value: Any, vocabulary: Vocabulary) -> str:
@@ -248,12 +245,10 @@ _FORMS: Mapping[str, Callable[[Any, Vocabulary], str]] = {
     "laws": lambda values, of: " or ".join(_law(terms, of) for terms in values),
     "remedies": _remedies,
     "changes": _changes,
-    "up to": lambda values, of: _changes(values, of, "by up to"),
     "effects": lambda values, of: "; ".join(
         f"1 % in {what} changes {_changes(parts, of)}" for what, parts in values
     ),
     "values": values_of,
-    "measured": lambda v, of: _of(v[0], "=", with_error(v[1], v[2]), of),
     "readings": lambda values, of: listed(
         [f"{of.symbol(s)} = {number_text(v, 3)} {of.unit(unit)}" for s, v, unit in values], "or"
     ),

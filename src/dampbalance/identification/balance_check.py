@@ -1,4 +1,4 @@
-"""What the balance of energy shows by itself, and where it contradicts the fit of one oscillator, whose check it is."""
+"""The energy balance as the check of the fit of one oscillator: its own limits, and where the two contradict."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .oscillator import CommonFit
 
 
 def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
-    """Yield what one must know, in addition to its own notes, before using the answer of the balance."""
+    """Yield what limits the use of the answer of the balance, in addition to its own notes."""
     clipped = [
         f"{quantity} of {reading.steady.source}"
         for reading in readings
@@ -38,16 +38,18 @@ def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> 
         if common.fit is None:
             yield Finding("onset of a rigid one", effect=UNBOUNDED)
         else:
-            # whatever the records have beyond an oscillator is in the rows, too
+            # what no oscillator explains acts on the rows, too
             fitted, of_stick = common.answer, _by_half_the_stick(answer, readings)
             assert fitted is not None
             effect = {s: max(by, fitted.parameters[s].within) for s, by in of_stick.items()}
             yield Finding("onset of the closest", effect=effect)
         if answer.misfit > 9.0:  # χ² per degree of freedom: three times the noise
-            times = {"times": math.sqrt(answer.misfit)}
-            yield Finding("rows scatter", times, by_scatter(answer.coefficients, answer.misfit))
+            # the intervals, as many times as wide as the rows scatter
+            times = math.sqrt(answer.misfit)
+            effect = {s: times * p.within for s, p in answer.coefficients.items()}
+            yield Finding("rows scatter", {"times": times}, effect)
     if common.in_rows and common.answer is not None:
-        # the rows may be off by all that lies between them and either end
+        # the rows may be off by their distance to the far end of the interval
         ends = common.answer.intervals
         off = {
             s: max(abs(end / (p.value or math.inf) - 1.0) for end in ends[s])
@@ -56,14 +58,8 @@ def notes_on(answer: Answer, readings: Sequence[Reading], common: CommonFit) -> 
         yield Finding("rows uncorrected", effect=off)
 
 
-def by_scatter(coefficients: Mapping[str, ParameterEstimate], misfit: float) -> dict[str, float]:
-    """Return by what part each coefficient may be off where the rows scatter as much as this χ² per degree of
-    freedom says: its interval, as many times as wide."""
-    return {symbol: math.sqrt(misfit) * p.within for symbol, p in coefficients.items()}
-
-
 def _by_half_the_stick(answer: Answer, readings: Sequence[Reading]) -> dict[str, float]:
-    """Return by what part each coefficient changes where the stick distance λ = 4X − a is off by half of it."""
+    """Return the relative change of each coefficient by an error of half the stick travel λ = 4X − a."""
     assert answer.balance is not None
     rows = answer.balance.rows
     stick = np.array([reading.stick_travel for reading in readings])
@@ -93,14 +89,14 @@ def compared(
     least: float = 4e-7,
     corrected: Sequence[str] = (),
 ) -> tuple[Finding, list[Finding]]:
-    """Return what the balance says of the answer, and the doubt where they differ by more than both intervals together.
+    """Return the finding of the check, and a doubt if balance and answer differ by more than both intervals together.
 
-    A balance that lacks what the answer allows for says nothing where they differ by more. The difference of a number
-    that may be zero is not relative.
+    A larger difference is no contradiction if the balance lacks something that the answer allows for. The difference of
+    a number that may be zero is not relative.
 
     lacks : what the answer allows for and the rows do not, by the names of models.
-    least : error of the rows beyond their noise, as a part of the work: by default that of rounding in integrals of
-    exact waveforms.
+    least : error of the rows beyond their noise, as a part of the work; default, that of rounding in integrals of exact
+    waveforms.
     corrected : what the rows were corrected for, by the same names.
     """
     shown, apart, effect, most = [], [], {}, _largest(check)
@@ -126,7 +122,7 @@ def compared(
 
 
 def _largest(check: Answer) -> dict[str, float]:
-    """Return each coefficient that takes all of the work of the rows by itself."""
+    """Return, for each coefficient, the value at which it takes all of the work of the rows by itself."""
     rows = None if check.balance is None else check.balance.rows
     if rows is None:
         return {}
@@ -136,16 +132,18 @@ def _largest(check: Answer) -> dict[str, float]:
 
 
 def alike(answer: Answer) -> Iterator[Finding]:
-    """Yield a finding where the rows of the balance hardly distinguish its coefficients: by the smallest sine of the
-    angle that a column makes with those before it, each row counted by the parts of its work: of the largest motion
-    alone, all small ones would look alike."""
+    """Yield a finding where the rows of the balance hardly distinguish its coefficients.
+
+    The measure is the smallest sine of the angle between a column and those before it. Rows are divided by their work,
+    as the largest motion would otherwise decide alone.
+    """
     rows = None if answer.balance is None else answer.balance.rows
     if rows is None or rows.usable.sum() < 2:
         return
     used = rows.usable & (rows.W != 0.0)
     columns = [g[used] / rows.W[used] for s, g in rows.terms.items() if s not in rows.given]
     unit = np.column_stack([g / np.linalg.norm(g) for g in columns])
-    # errors are fifty times those of a single unknown
+    # errors are then fifty times those of a single unknown
     if np.min(np.abs(np.diag(np.linalg.qr(unit)[1]))) < 0.02:
         symbols = tuple(answer.coefficients)
         yield Finding("alike", {"symbols": symbols}, dict.fromkeys([*symbols, "K_z"], math.inf))

@@ -1,11 +1,10 @@
-"""The balance of energy of all kinds of records: rows Σ g_j p_j = W whose errors are correlated, solved together.
+"""The energy balance for all kinds of records: rows Σ g_j p_j = W with correlated errors, solved together.
 
     p minimises eᵀ C⁻¹ e,    e = Σ g_j p_j − W,    C the covariance of e,
 
 which depends on p where the g_j have errors, so that the solution is repeated with the C of the last one. Rows of
-decays share half cycles, and their noise gives C. Rows of forced records share the onset of slip of one oscillator; C
-is that of the jackknife over the cycles of each record, and each row is weighted by its own variance alone unless a law
-is tested.
+decays share half cycles, and C follows from the noise. Rows of forced records share the onset of slip of one
+oscillator; C is that of the jackknife over the cycles of each record, and each row is weighted by its own variance.
 """
 
 from __future__ import annotations
@@ -32,9 +31,9 @@ Errors = Callable[[Mapping[str, float]], Sequence[Array]]
 """Covariances of the misfits of rows with these coefficients, J², (n, n), of errors that are independent of each
 other."""
 
-_MOST_REPEATS = 20  # each brings C nearer by a factor of 100 or so
+_MOST_REPEATS = 20  # each reduces the error of C about a hundredfold
 _SETTLED = 1e-9  # change of C, relative to the errors of two rows
-# Share of the work that harmonics up to a finite order leave out. Cycles without noise may repeat to the last bit.
+# Share of the work beyond the highest harmonic: the error of cycles without noise, which may repeat to the last bit.
 _EXACT = 1e-8
 _UNKNOWN = ("X_s", "V_s", "t_s", "X_r", "V_r", "t_r")
 _ONE_ROW = 1e-10  # of the largest variance: rows that share half cycles may nearly be one
@@ -42,7 +41,7 @@ _ONE_ROW = 1e-10  # of the largest variance: rows that share half cycles may nea
 
 @dataclass(frozen=True, eq=False)
 class Balanced:
-    """Coefficients that rows of the balance give.
+    """Coefficients from rows of the balance.
 
     estimates : by key; empty where the rows do not determine them.   covariance : of their errors, (p, p).
     errors : standard deviation of the misfit of each row, J, (n,).   chi_square, freedom : of the misfits.
@@ -65,7 +64,7 @@ class Balanced:
         return self.chi_square / self.freedom if self.freedom > 0 else math.nan
 
     def scaled(self) -> Balanced:
-        """Return the coefficients with errors of the scatter of their rows, where that is larger than those."""
+        """Return the coefficients with errors from the scatter of the rows, where these are larger."""
         more = max(1.0, self.misfit if self.freedom > 0 else 1.0) - 1.0
         wider = {s: p.wider(math.sqrt(more) * p.standard_error) for s, p in self.estimates.items()}
         return replace(self, estimates=wider, covariance=(1.0 + more) * self.covariance)
@@ -82,10 +81,10 @@ def estimate_of(value: float, variances: Array, freedoms: Sequence[float]) -> Pa
 def solved(
     rows: Rows, errors: Errors, freedoms: Sequence[float], *, free: int = 0, correlated: bool = True
 ) -> Balanced:
-    """Return the coefficients that rows give.
+    """Return the coefficients from rows.
 
-    freedoms : of the errors.   free : number of further unknowns, which the covariance leaves free.   correlated :
-    whether rows are weighted by all of their covariance, or each by its own variance.
+    freedoms : degrees of freedom of each part of the errors.   free : number of further unknowns, which the covariance
+    leaves free.   correlated : whether rows are weighted by their whole covariance, or each by its own variance.
     """
     keys, used = [key for key in rows.terms if key not in rows.given], rows.usable
     right = -rows.misfit(rows.given)
@@ -126,7 +125,7 @@ def solved(
 
 
 def solved_again(rows: Rows, errors: Array) -> dict[str, float]:
-    """Return the coefficients of other rows, weighted as before.   errors : of the rows, as in `Balanced`."""
+    """Return the coefficients from other rows with the same weights.   errors : of the rows, as in `Balanced`."""
     weights = np.where(errors > 0.0, errors, 1.0) ** -2.0
     estimate = solve(replace(rows, weights=weights))
     return {key: float(value) for key, value in estimate.values.items()}
@@ -150,8 +149,11 @@ def as_answer(
     labels: Mapping[str, Sequence[Any]] | None = None,
     **more: Any,
 ) -> Answer:
-    """Return the answer of the balance.   names, labels : of the rows.   parameters : all of them, with what the rows
-    do not determine.   more : notes and merit of the answer."""
+    """Return the answer of the balance.
+
+    names, labels : of the rows.   parameters : all, also those that the rows do not determine.   more : notes and merit
+    of the answer.
+    """
     parameters = {**parameters, **of.estimates}
     covariance = covariance_of(parameters, [*of.estimates], of.covariance)
     balance = Balance(rows, of.errors, names, labels or {})
@@ -162,8 +164,8 @@ def as_answer(
 
 
 def rows_of(features: Features, law: Law, k: float, *, frictionless: bool = False) -> Rows:
-    """Return the rows of features by direct integration, with a column for each coefficient of the law; one whose
-    records all lack rows has none.   k : N/m.   frictionless : whether friction has no column."""
+    """Return the rows of features by direct integration, with a column for each coefficient of the law except those
+    none of whose records has a row.   k : N/m.   frictionless : whether friction has no column."""
     rows = APPROACHES[DIRECT](features, k, law.terms)
     if frictionless:
         rows = replace(rows, terms={**rows.terms, FRICTION: np.zeros(rows.W.shape)})
@@ -176,9 +178,9 @@ def rows_of(features: Features, law: Law, k: float, *, frictionless: bool = Fals
 def features_of(
     readings: Sequence[Reading], means: Sequence[Means], moved: Array | None = None
 ) -> Features:
-    """Return the features of n readings that share the waveforms of a joint fit (`with_common_fit`) from r means of
-    each, (n, r), the waveforms of all records following.   moved : changes of the unknowns of the fit, (p, r); default,
-    those by all means."""
+    """Return the features of n readings that share the waveforms of a fit (`with_common_fit`) from r means of each,
+    (n, r); the waveforms of all records follow.   moved : changes of the unknowns of the fit, (p, r); default, those by
+    all means."""
     pairs = [*zip(readings, means, strict=True)]
     if moved is None:
         moved = np.sum([reading.moved(mean) for reading, mean in pairs], axis=0)
@@ -188,8 +190,8 @@ def features_of(
 
 
 def features_left_out(readings: Sequence[Reading]) -> list[Features]:
-    """Return the features of all readings, each (n, r), without one group of rows of one reading after the other, and
-    with each of its errors that no scatter between rows shows."""
+    """Return the features of all readings, (n, r), for each reading without each of its groups of rows in turn, and
+    with each of its errors that the scatter between rows does not show."""
     each = []
     for j, reading in enumerate(readings):
         for others in (reading.left_out(), *reading.with_hidden_errors()):
@@ -201,7 +203,7 @@ def features_left_out(readings: Sequence[Reading]) -> list[Features]:
 def solved_forced(
     readings: Sequence[Reading], law: Law, k: float, *, frictionless: bool
 ) -> tuple[Rows, Balanced]:
-    """Return the rows of readings that share the waveforms of a joint fit, and their solution."""
+    """Return the rows of readings that share the waveforms of a fit, and their solution."""
     means = [reading.mean for reading in readings]
     rows, *left = (
         rows_of(features, law, k, frictionless=frictionless)

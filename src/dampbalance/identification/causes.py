@@ -1,15 +1,13 @@
-"""Departures of records from one oscillator as candidates to be weighed: what they are called, and how large rigs have
-them.
+"""Departures of records from one oscillator as candidates to be weighed: their names, and their sizes in rigs.
 
 A departure is a nuisance of the model (`fit/nuisances.py`), zero unless it is freed, or the other frame: motions
-relative to the base that were taken for absolute, or the other way round. A score test (`fit/score.py`) says to first
-order what each explains of what a fit leaves, and `fit/select.py` weighs them; those of some weight are fitted.
+relative to the base that were taken for absolute, or the other way round. A score test (`fit/score.py`) shows to first
+order how much of the residual each explains, and `fit/select.py` weighs them; those with some weight are fitted.
 
-One departure is special. A contact that yields gradually has nearly the harmonics of one that yields at once, with
-another stiffness: of what lies between, little more than the loss while it yields shows in a record. The sum of the
-squares of the residuals hardly notices; the one direction in which such a contact differs, and the one sign, tell the
-most. All such contacts nearly share it: that of Iwan with a uniform distribution, whose corner is a parabola, stands
-for those of Dahl, Bouc–Wen and several sliders.
+One departure is special. A contact that yields gradually has nearly the harmonics of one that yields at once with
+another stiffness, so that χ² hardly changes. What does change has one direction, which all such contacts nearly share,
+and one sign: this is what the records show best. Iwan's contact with a uniform distribution, whose corner is a
+parabola, stands for those of Dahl, Bouc–Wen and several sliders.
 """
 
 from __future__ import annotations
@@ -33,7 +31,7 @@ from ..signals.mean_harmonics import Reading
 from .weighing import departure, weighed_of
 
 TURNS = ("corner", "delay")
-"""Departures that turn the phase of the response: away from resonance, damping does so, too."""
+"""Departures that turn the phase of the response, as damping does away from resonance."""
 
 GRADUAL = ADDED[-1]
 """The departure that hardly shows: see above."""
@@ -41,17 +39,22 @@ GRADUAL = ADDED[-1]
 FRAME = "frame"
 
 NOT_IN_ROWS = frozenset({"k_3", GRADUAL})
-"""Departures that rows of the balance, which take the records as they are, do not have."""
+"""Departures that do not act on the rows of the balance."""
 
 _MOST = 3.5
-"""Of the size that rigs have: what is larger by its standard error stands for something else."""
+"""Times the size that rigs have: a departure that is larger by more than its standard error stands for another
+cause."""
 
 
 def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
-    """Return relative errors that numbers may have by departures without a trace in the fit: F_k is in proportion to
-    the size of the motion, which no gain of a relative response asks for, and a second mass or a flexible support,
-    which only the higher harmonics distinguish from the mass, looks like a gain and is none; a contact that yields
-    gradually is after a reversal as stiff as that of Iwan only if it is one."""
+    """Return the relative errors that numbers may have by departures that the fit may mistake.
+
+    What looks like a gain may be a second mass or a flexible support, which only the higher harmonics distinguish from
+    one, and F_k is in proportion to a gain; this concerns no response that is measured against the base. After a
+    reversal, a contact that yields gradually has the stiffness of Iwan's contact only if it is one.
+
+    names : of the departures that are reported.
+    """
     fit, doubts = selection.fit, dict[str, float]()
     said = [one for one in weighed_of(selection) if one.name in names]
     sizes, units = {one.name: abs(one.size) for one in said}, sizes_in(fit)
@@ -66,8 +69,8 @@ def doubts_of(selection: Selection, *names: str) -> Mapping[str, float]:
 
 
 def unseen_turns(selection: Selection) -> Iterator[Finding]:
-    """Yield a finding for each turn of the phase that the records rather have, and that may take half of a number or
-    more, where the harmonics, which would tell it from damping, are not those of the oscillator."""
+    """Yield a finding for each turn of the phase that the records support and that may change a number by half or more,
+    where no oscillator has the higher harmonics, which would distinguish it from damping."""
     plain, keys = selection.models[0], selection.fit.law.unknowns
     if max(selection.fit.problem.scales) == 1.0:
         return
@@ -82,11 +85,11 @@ def unseen_turns(selection: Selection) -> Iterator[Finding]:
 
 
 def as_damper(selection: Selection, readings: Sequence[Reading]) -> dict[str, Finding]:
-    """Return the delay of the response, where that may be a damper which the law lacks, with the size of that damper.
+    """Return the delay of the response with the size of the damper that it may be, where the law lacks that damper.
 
-    The force c_r ẏ of a damper between base and mass, next to k y, is that of a base which leads by τ = c_r/k, as
-    k y(t + τ) = k y + kτ ẏ + …; where the law has this damper alone, one to the ground is a lag of c/k. On a mount,
-    which the force −mÿ moves, a damper to the ground is a lag of c/(mω²).
+    A damper between base and mass adds c_r ẏ to k y and so acts like a lead of the base by τ = c_r/k, since
+    k y(t + τ) = k y + kτ ẏ + …. If the law has only this damper, one to the ground acts like a lag of c/k. On a mount,
+    which is driven by −mÿ, a damper to the ground acts like a lag of c/(mω²).
     """
     fit, steady = selection.fit, readings[0].steady
     terms, mount = fit.law.terms, steady.base_mass is not None
@@ -102,7 +105,7 @@ def as_damper(selection: Selection, readings: Sequence[Reading]) -> dict[str, Fi
 
 
 def sizes_in(fit: WaveformFit) -> dict[str, float]:
-    """Return the unit in which `PRIORS` has the size of each departure, in the unit of that departure."""
+    """Return, for each departure, the unit of its size in `PRIORS` as a value in the unit of the departure."""
     lines = fit.lines
     top = max(lines, key=lambda one: abs(one.x[0]))
     X, slowest = float(abs(top.x[0])), min(one.omega for one in lines)
@@ -122,9 +125,8 @@ def candidates(
 ) -> list[Candidate]:
     """Return the departures that a fit may lack.
 
-    names : of those that it has.   penalty : χ² that a mass which is given adds to a fit.   starts : fits from whose
-    unknowns those of a departure are to be searched, by name.   frames : whether the response may be in the other
-    frame.
+    names : of those that it has.   penalty : χ² that a given mass adds to a fit.   starts : by name, a fit from which
+    that departure is searched as well.   frames : whether the response may be in the other frame.
     """
     units, starts = sizes_in(fit), starts or {}
     own = fit.chi_square + penalty(fit)
@@ -148,7 +150,7 @@ def candidates(
         found = [end for one in ends if (end := _converged(one)) is not None]
         return min(found, key=lambda one: one.chi_square, default=None)
 
-    # what explains less than a tenth of what noise does not is not why the fit fails
+    # a departure that explains less than a tenth of the excess over noise is not why the fit fails
     as_read = max(fit.problem.scales) == 1.0 and not fit.adequate
     excess = 0.1 * (fit.chi_square - fit.freedom) if as_read else 0.0
     tested = {name: one for name, one in fit.departures.items() if one.size**2 >= excess}
@@ -160,7 +162,7 @@ def candidates(
         if name not in (*names, *barred, *([GRADUAL] if max(fit.problem.scales) > 1.0 else []))
     ]
     if frames:
-        # where it holds, the nearest starts lead there: no wide search for what most records are not
+        # where the other frame is right, the nearest starts lead to it, without a wide search
         others = [in_other_frame(one) for one in fit.lines]
         search = partial(fit_records, others, fit.k, fit.law, thorough=False)
         found.append(Candidate(FRAME, PRIORS[FRAME], search, None, partial(weighed, FRAME)))
@@ -173,13 +175,12 @@ def _too_large(value: float, error: float, name: str, units: Mapping[str, float]
 
 
 def _converged(fit: WaveformFit | None) -> WaveformFit | None:
-    """Return the fit that further climbs lead to, until one ends in an optimum: one that takes more than three is no
-    guide, nor is one that stays far from the records."""
+    """Return the fit after up to three further climbs, which end at an optimum or far from the records."""
     for _ in range(3):
         if fit is None or fit.converged:
             break
         before, fit = fit, refit(fit)
-        # four times the noise squared, as where a search gives a start up
+        # four times the noise squared, the bound at which a search abandons a start
         if fit is not None and fit.misfit > 4.0 and fit.chi_square > 0.5 * before.chi_square:
             break
     return fit
@@ -188,9 +189,8 @@ def _converged(fit: WaveformFit | None) -> WaveformFit | None:
 def _with(fit: WaveformFit, name: str) -> WaveformFit | None:
     """Return the fit with a departure left free.
 
-    The turn of a phase trades with c and m along a valley of χ² that is as narrow as the noise and curved, in which a
-    climb from no turn crawls: it begins at the oscillator that has the turn of the score test, or what of it leaves
-    each coefficient a tenth.
+    A turn of the phase trades with c and m along a valley of χ² that is narrow and curved, in which a climb from zero
+    crawls. It therefore begins with the turn of the score test, or the part of it that leaves each coefficient a tenth.
     """
     if name not in TURNS:
         return refit(fit, [name])

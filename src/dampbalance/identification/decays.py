@@ -1,7 +1,7 @@
-"""F_k, c and K_z from free decays: by rows of half cycles, weighted with their covariance, and by a fit of all samples.
+"""F_k, c and K_z from free decays: by a fit of all samples, and by rows of half cycles weighted by their covariance.
 
-Each two neighbouring half cycles give a row a F_k + b c = W, which is read from the samples (`half_cycles.py`).
-Neighbouring rows share a half cycle: rows are made independent by the root of their covariance before they are solved.
+Each pair of neighbouring half cycles gives a row a F_k + b c = W, which is read from the samples (`half_cycles.py`).
+Neighbouring rows share a half cycle: the root of their covariance makes rows independent before they are solved.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from ..records.mapping import MappingLike
 from ..records.measured import as_records
 from ..records.record import Record
 from ..signals.bursts import NoDecay, Signal, bursts_of, noise_of, sharpest, too_few_samples
-from ..signals.checks import plausible
+from ..signals.checks import contradiction_in, plausible
 from ..signals.conditioning import in_equal_steps
 from ..signals.cycles import clipped, flat_tops
 from ..signals.drive import stands_still
@@ -71,9 +71,9 @@ if TYPE_CHECKING:
 
 
 _WIDE = USELESS / NORMAL_95  # relative standard error
-# part of the work that integrals of smoothed samples miss, at most: of exact accelerations at 40 samples a cycle
+# largest error of integrals of smoothed samples as a part of the work: exact accelerations at 40 samples a cycle
 _ACCURACY = 5e-3
-# half cycles, and K_z/k, below which a motion that does not fit shows no contact
+# half cycles, and K_z/k, below which a motion that no oscillator fits shows no contact
 _FEWEST, _LOOSE = 2, 1e-2
 
 
@@ -81,8 +81,8 @@ _FEWEST, _LOOSE = 2, 1e-2
 class DecayBasis:
     """What the answers to records of free decays rest on.
 
-    fit : of one oscillator to all samples; the balance has its stick.   half_cycles : rows of the balance.
-    damping : over the amplitude, from the swings.
+    fit : of one oscillator to all samples, from which the balance takes the stick distance.
+    half_cycles : rows of the balance.   damping : frequency and damping over the amplitude, from the swings.
     """
 
     fit: DecayFit
@@ -115,7 +115,7 @@ class DecayBasis:
     def _decay(self, i: int) -> dict[str, Any]:
         one, (turns, errors) = self.fit.decays[i], self.half_cycles.turns[i]
         still, friction = self.fit.sticks_from(i), one.key("F_k")
-        # where the spring is slack, in the channel of displacement if there is one
+        # the position at which the spring is slack, if a channel is a displacement
         rest = next((offset_of(signal) for signal in one.signals if signal.order == 0), None)
         return {
             "decay": i + 1,
@@ -132,12 +132,15 @@ class DecayBasis:
         }
 
     def levels(self, found: Result[Any]) -> list[SwingDamping]:
-        """Return what the swings show of frequency and damping over the amplitude, whatever the fit says."""
+        """Return frequency and damping over the amplitude from the swings, independent of the fit."""
         return [*self.damping]
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
-        """Return the numbers of an answer with a fault: m, c, k, K_z and F_k times a number are an oscillator of the
-        same motion, and F_k is in proportion to the motion. When a decay began is not known: a delay does nothing."""
+        """Return the numbers of an answer with a fault.
+
+        m, c, k, K_z and F_k, all times the same number, are an oscillator of the same motion, and F_k is in proportion
+        to the motion. A delay has no effect, since the start of a decay is not known.
+        """
         fit, k = self.fit, 1.0 + fault.stiffness
         if fit.error("m") == 0.0 and (change := fault.mass - fault.stiffness):
             fit = _with_mass(fit, (1.0 + change) * fit.m) or fit
@@ -177,15 +180,16 @@ def identify_decays(
 ) -> Result[DecayBasis]:
     """Identify F_k, c and K_z from records of free decays, one or several after releases or blows; one is enough.
 
-    Each two neighbouring half cycles give a row a F_k + b c = W of the energy balance. The answer is the
-    maximum-likelihood fit of one oscillator to all samples, with the balance as its check.
+    Each pair of neighbouring half cycles gives a row a F_k + b c = W of the energy balance. The answer is the
+    maximum-likelihood fit of one oscillator to all samples, checked by the balance.
 
-    records : as `read_records` returns or takes them.
+    records : what `read_records` returns or takes.
     stiffness, mapping : as for `identify_forced`.
     The options of the signature, which `help` describes.
 
-    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
-    that is outside its range, a record whose excitation channel keeps moving or that holds no free decay.
+    Raises ValueError (for a record, `RecordError`), which names the argument or the record, what is wrong and the
+    remedy: for an argument outside its range, and a record whose excitation channel keeps moving, whose channels
+    contradict each other, or that holds no free decay.
 
     >>> from dampbalance import Oscillator, identify_decays, measured_ring_down
     >>> osc = Oscillator(m=2.42, c=1.0, k=2310.0, K_z=20800.0, F_k=0.5)
@@ -210,7 +214,7 @@ def identify_decays(
 
 @one_thread
 def _damping_of(records: Sequence[Record]) -> list[SwingDamping]:
-    """Return frequency and damping over the amplitude of the records' largest decay; empty where there is none."""
+    """Return frequency and damping over the amplitude of the largest decay of all records; empty without one."""
     found: list[list[SwingDamping]] = []
     for record in (one.corrected() for one in records):
         signals = [_signal(record, channel, 0, []) for channel in record.responses]
@@ -263,13 +267,13 @@ def identify_decay_records(
     """Return F_k, c and K_z from records of free decays, one or more.
 
     k : stiffness, N/m.
-    mass : kg, if it is known; the fit takes it where it is known better than the decays know it, and they agree.
+    mass : kg, if it is known; the fit takes it if the decays agree with it and know it less well.
     mass_error, stiffness_error : standard uncertainties of the mass, kg, and of k, N/m.
-    laws : whether to compare the laws that the decays may have.
+    laws : whether to compare damping laws.
     pendulum : whether the restoring torque is k sin θ.
 
-    Raises ValueError for a stiffness or a mass that is not positive, a record whose excitation channel moves, one
-    without a decay that slips, and a channel with a filter.
+    Raises ValueError for a stiffness or a mass that is not positive, and a record whose excitation channel moves, whose
+    channels contradict each other, or that holds no decay that slips.
     """
     number("stiffness", k, NUMBERS["k"])
     if mass is not None:
@@ -288,12 +292,16 @@ def identify_decay_records(
         signals = [_signal(record, channel, number, odd) for number, channel in channels]
         warnings += [words.about(record.name) for words in odd]
         try:
+            if len(signals) > 1:
+                first = max(bursts_of(sharpest(signals)), key=lambda burst: burst.swing)
+                if contradiction := contradiction_in(signals, first, record.coordinate):
+                    raise ValueError(f"{record.name}: {contradiction}")
             separate, bursts = separate_fits(record.name, signals, k, pendulum)
+            if not separate:
+                step = min(signal.dt for signal in signals)
+                raise NoDecay(too_few_samples(bursts[0].period / step))
         except NoDecay as error:
             raise ValueError(_unclear(record, k, str(error))) from None
-        if not separate:
-            few = too_few_samples(bursts[0].period / min(signal.dt for signal in signals))
-            raise ValueError(_unclear(record, k, few))
         warnings += [
             Finding("no decay", {"time": float(burst.turn)}, of=record.name) for burst in bursts
         ]
@@ -329,8 +337,7 @@ def identify_decay_records(
     moves = [min(fit.sticks_from(i), one.end - one.start) for i, one in enumerate(fit.decays)]
     halves = sum(int(2.0 * t / one.period) for t, one in zip(moves, fit.decays, strict=True))
     if not sound(fit) and (halves < _FEWEST or fit.K_z < _LOOSE * k):
-        several = any(len(record.responses) > 1 for record in records)
-        numbers = {"k": k, "halves": halves, "share": fit.residual_share, "several": several}
+        numbers = {"k": k, "halves": halves, "share": fit.residual_share}
         why = Finding("no friction contact", numbers)
         names = ", ".join(dict.fromkeys(one.source for one in fit.decays))
         raise ValueError(f"{names}: {sentence(why, records[0].coordinate)}")
@@ -341,10 +348,10 @@ def identify_decay_records(
 
 
 def _pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]:
-    """Return the answer to decays that rotate: as a pendulum, where a linear spring leaves more than noise and k_3
+    """Return the answer to decays of a rotation: as a pendulum, where a linear spring leaves more than noise and k_3
     explains that no better.
 
-    identified : returns the answer; its keyword `pendulum` says whether the restoring torque is k sin θ.
+    identified : returns the answer; with pendulum=True, for a restoring torque k sin θ.
     """
     answers: list[Result[Any]] = []
     errors: list[ValueError] = []
@@ -366,13 +373,13 @@ def _pendulum_if_likelier(identified: Callable[..., Result[Any]]) -> Result[Any]
 
 
 def _linear(found: Result[Any]) -> bool:
-    """Return whether decays show no spring that is not linear."""
+    """Return whether a linear spring explains the decays."""
     of_k_3 = (one.weight for one in found.weighed if one.name == "k_3")
     return found.basis.fit.white and max(of_k_3, default=0.0) < REFITTED
 
 
 def _unclear(record: Record, k: float, why: str) -> str:
-    """Return how a record without a decay is reported.   k : N/m.   why : empty where the motion is another one."""
+    """Return the words on a record without a decay.   k : N/m.   why : the reason, if it is known."""
     channel = visible(record.excitation.name) if record.driven else ""
     drives = ", ".join(map(record.coordinate.noun, EXCITATIONS))
     found = Finding("no decay found", {"channel": channel, "drives": drives, "k": k, "why": why})
@@ -380,7 +387,7 @@ def _unclear(record: Record, k: float, why: str) -> str:
 
 
 def _signal(record: Record, channel: Channel, offset: int, warnings: list[Finding]) -> Signal:
-    """Return a channel of the mass, evenly sampled.   offset : its number."""
+    """Return a channel of the mass in equal time steps.   offset : its number among the channels of all records."""
     channel = in_equal_steps(channel, warnings)
     t, values = channel.t, channel.values
     limits = flat_tops(values)
@@ -403,7 +410,8 @@ def _solved(
     rig: Sequence[Finding],
     warnings: Sequence[Finding],
 ) -> Result[DecayBasis]:
-    """Return the rows solved, with notes, and warnings and sentences on the rig in addition to these."""
+    """Return the result: the fit with its notes, the solved rows as its check, the given findings on the rig, and the
+    given warnings."""
     solution = balanced(rows)
     misfit, freedom, estimates = solution.misfit, solution.freedom, solution.estimates
     fit_notes = list[Finding]()
@@ -443,10 +451,10 @@ def _solved(
         notes=tuple(notes),
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    # the balance takes whatever is in the samples for a motion with friction and viscous damping
+    # the balance attributes all of the motion to friction and viscous damping
     lacks = ["clipped"] if clipped_signals else [*["other motion"] * (not fit.white), *fit.further]
     widest = _among_models(answer, selection)
-    judged = None if clipped_signals else reference  # of clipped swings it cannot judge any
+    judged = None if clipped_signals else reference  # clipped swings are no check
     check, doubts = compared(answer if lacks else widest, judged, lacks, _ACCURACY)
     doubts = [one for one in doubts if one.largest > USELESS]
     decays = {(one.source, one.of_cycles or one.start) for one in fit.decays}
@@ -466,8 +474,8 @@ def _solved(
 
 
 def _other_motion(fit: DecayFit) -> Finding:
-    """Return a finding on what the samples of a fit in the band of the mode hold beside its motion, and at which
-    frequency most of that is."""
+    """Return the finding, for a fit in the band of the mode, on the other motion in the samples and its main
+    frequency."""
     whole = replace(fit, problem=replace(fit.problem, band=None))
     residuals = ((signal.dt, off) for _, signal, off in whole.residuals())
     dt, off = max(residuals, key=lambda one: float(np.linalg.norm(one[1])))
@@ -477,8 +485,8 @@ def _other_motion(fit: DecayFit) -> Finding:
 
 
 def _among_models(answer: Answer, selection: Selection) -> Answer:
-    """Return the answer of the balance, whose rows are those of the plain model, with its intervals widened by what
-    other models change, each by its weight."""
+    """Return the answer of the balance, whose rows are those of the plain model, with intervals widened by the changes
+    that other models make, by weight."""
     plain = np.array([selection.plain.value(key) for key in selection.keys])
     with np.errstate(divide="ignore", invalid="ignore"):
         off = np.array([one.values for one in selection.models]) / plain - 1.0
@@ -506,7 +514,7 @@ def _scatter_of(fit: DecayFit) -> list[Finding]:
 
 
 def balanced(rows: DecayRows) -> Balanced:
-    """Return F_k and c of the rows, F_k as the mean where decays have friction forces of their own."""
+    """Return F_k and c from the rows; where decays have separate friction forces, F_k is their mean."""
     a, b = rows.rows.terms.values()
     forces = np.unique(rows.friction)
     terms = {str(one): np.where(rows.friction == one, a, 0.0) for one in forces} or {"0": a}

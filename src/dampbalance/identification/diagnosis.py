@@ -1,5 +1,5 @@
-"""What the fit of one oscillator to all forced records shows: departures, a wrong mass or stiffness, a contact that
-sticks, records that no oscillator explains."""
+"""Findings from the fit of one oscillator to all forced records: departures, a wrong mass or stiffness, a contact that
+only sticks, records that no oscillator explains."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from ..findings.finding import Finding
 from ..fit.fit import OscillatorFit
 from ..fit.goodness import LinearFit
+from ..fit.waveforms import WaveformFit
 from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import CERTAIN
 from .answer import Answer
@@ -21,12 +22,14 @@ from .oscillator import CommonFit
 from .weighing import said_of
 
 _WORSE_IN_ROWS = {"clipped", "unsettled"}
+_RESONANCE = 0.3  # part of a harmonic: where more of it is not fitted, a mode is near it, and not near the fundamental
+_SAME_LEVEL = 0.05  # of ln X: levels that do not show how anything depends on X
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
 
 def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
-    """Return the findings on single records. A drive that is not harmonic is no matter where the fundamentals are those
-    of an oscillator within noise, and no unit is asked for where one explains a rare ratio of amplitudes."""
+    """Return the findings on single records. A drive that is not harmonic does no harm where an oscillator explains the
+    fundamentals within noise, and a rare ratio of amplitudes is no sign of a wrong unit where one explains it."""
     fit = common.fit
     holds = fit is not None and fit.adequate and fit.problem.scales[0] == 1.0
     found = [one.about(reading.steady.source) for reading in readings for one in reading.warnings]
@@ -37,8 +40,8 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
 
 
 def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) -> Iterator[Finding]:
-    """Yield findings on all records together: what the common fit shows, which levels fail, which coefficients the
-    balance by direct integration hardly distinguishes."""
+    """Yield the findings on all records together: those of the common fit, levels that only stick, and coefficients
+    that the balance by direct integration hardly distinguishes."""
     yield from _on_the_oscillator(readings, common)
     if still := [str(i) for i, of in enumerate(readings, 1) if of.slips is False]:
         yield Finding("only sticks", {"records": ", ".join(still)})
@@ -52,8 +55,8 @@ def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) ->
 
 
 def not_in_rows(readings: Sequence[Reading], common: CommonFit) -> list[str]:
-    """Return what acts in the rows of the balance more than in the fit, by the names of models: clipped cycles, a
-    motion that drifts, departures."""
+    """Return, by the names of models, what the rows of the balance suffer from more than the fit does: clipped cycles,
+    a motion that drifts, departures."""
     codes = dict.fromkeys(one.code for reading in readings for one in reading.warnings)
     return [*filter(_WORSE_IN_ROWS.__contains__, codes), *common.in_rows]
 
@@ -81,31 +84,67 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         main, others = fit.problem.scales
         numbers = {"fundamentals": main, "harmonics": others, "worst": worst}
         # fundamentals alone do not tell a contact that yields gradually from one of another stiffness
-        yield Finding("far from all", numbers, {"K_z": math.inf})
+        yield Finding("far from all", numbers, {**_by_distortion(fit), "K_z": math.inf})
+
+
+def _by_distortion(fit: WaveformFit) -> dict[str, float]:
+    """Return the relative error that each coefficient of a fit may have by a linear distortion of the response, such as
+    an echo; empty where the third harmonics show none.
+
+    A distortion changes every harmonic of all levels by a part of it. Next to the fundamentals the harmonics hardly
+    count, and the fit takes the change of the fundamental for damping. That of the third shows how large it is: a part
+    h of the fitted one, whatever the level. Other causes change the third harmonic by a part that depends on the level:
+    a contact that yields gradually by a part ∝ 1/X, a spring, a sensor or another mode by a part ∝ X. For a part ∝ X^p,
+    the fundamentals are taken to be off by h · min(1, 2 − 2|p|).
+    """
+    main, others = fit.problem.scales
+    rows, gain = list[tuple[float, float, float]](), np.zeros(fit.problem.samples, dtype=complex)
+    for one, place in zip(fit.lines, fit.problem.places, strict=True):
+        read = one.x - np.where(one.n == 1, one.of_base * one.Y, 0.0)
+        ratio = read / one.x_error / np.where(one.n == 1, main, others)
+        gain[place] = np.concatenate([[0.0, 0.0], ratio, -1j * ratio])  # Re x_n, Im x_n of a gain
+        if one.n.size > 1:
+            left = others * complex(*fit.residual[place][[3, 3 + one.n.size]])
+            model = abs(one.x[1] / one.x_error[1] + left)
+            if abs(left) > CERTAIN:
+                rows.append((math.log(abs(one.x[0])), math.log(abs(left) / model), abs(left)))
+    if len(rows) < 2:
+        return {}
+    X, part, weights = np.transpose(rows)
+    p = float(np.polyfit(X, part, 1, w=weights)[0]) if np.ptp(X) > _SAME_LEVEL else 0.0
+    h = math.exp(float(np.average(part, weights=weights**2)))
+    if h > _RESONANCE or abs(p) >= 1.0:
+        return {}
+    h *= min(1.0, 2.0 - 2.0 * abs(p))
+    keys = [key for key in fit.law.unknowns if fit.value(key)]
+    by = fit.response[[fit.parameters.places[key] for key in keys]]
+    sizes = np.abs(by @ gain).tolist()  # by the gain and by a turn of the phase
+    return {key: h * abs(size / fit.value(key)) for key, size in zip(keys, sizes, strict=True)}
 
 
 def _too_stiff(
     readings: Sequence[Reading], stuck: LinearFit, mass: float | None
 ) -> Iterator[Finding]:
-    """Yield a finding where a contact that only sticks would have a stiffness below zero: the stiffness that is given
-    is too high by as much at least, as a contact adds to that of the spring."""
+    """Yield a finding where a contact that only sticks would have a negative stiffness: the given stiffness is too high
+    by at least as much, since a contact can only add to that of the spring."""
     if stuck.contact >= -CERTAIN * stuck.contact_error:
         return
     steady = readings[0].steady
     of_base = "force" not in steady.channels and steady.base_mass is None and mass is not None
-    # a base that moves tells k/m, a force k itself
+    # a base that moves shows k/m, a force k itself
     left = (mass or 0.0) * stuck.by_mass if of_base else stuck.k + stuck.contact
     too_high = -stuck.contact / left if left > 0.0 else 0.0
     yield Finding("too stiff", {"too_high": too_high}, {"": too_high or math.inf})
 
 
 def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:
-    """Return the finding that a mass is not that of the records, and that each number may be off by as much.
+    """Return the finding that the records contradict a mass, and that each number may be off by as much.
 
-    m, c, k, K_z and F_k times a number are an oscillator of the same motion: where the mass is right, the stiffness is
-    likely wrong, and all numbers by as much.
+    m, c, k, K_z and F_k, all times the same number, are an oscillator of the same motion: if the mass is right, the
+    stiffness is likely wrong, and all numbers by the same factor.
 
-    mass : kg, as given.   by_force : whether a load cell measures what drives, and feels what is between.
+    mass : kg, as given.   by_force : whether a load cell measures the drive, and carries what is between it and the
+    mass.
     """
     ratio = mass / fit.m
     meant = tuple(
@@ -118,8 +157,10 @@ def on_mass(fit: OscillatorFit, mass: float, by_force: bool = False) -> Finding:
     return Finding("mass", numbers, {"": abs(ratio - 1.0)})
 
 
-_CLOSE = 0.03  # relative: what a gain and a mass that nobody weighed leave between two units
-_MISTAKEN = {  # quantity and its unit → how many times the given number is too large a mass, or too small a stiffness
+_CLOSE = (
+    0.03  # relative deviation from a factor of two units: errors of gains and of a guessed mass
+)
+_MISTAKEN = {  # quantity, unit → factor by which the mass is too large, or the stiffness too small, if that was meant
     ("k", "N/mm"): 1000.0,
     ("m", "g"): 1000.0,
     ("k", "N/cm"): 100.0,

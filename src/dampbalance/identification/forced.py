@@ -1,17 +1,16 @@
 """F_k, c and K_z from measured responses at several levels, with standard errors and intervals.
 
-The answer is the fit of one oscillator to all records (`oscillator.py`) where it holds; the balance checks it, and
-serves where it does not. Each response gives one row a F_k + b c = W of the energy balance (6); rows of different
-frequencies go together, since neither F_k nor c depends on the frequency. Rows are weighted by the inverse variance of
-their misfit; Eq. (9) as published weights all rows alike.
+Where the fit of one oscillator to all records (`oscillator.py`) holds, it is the answer and the balance checks it;
+elsewhere the balance is the answer. Each response gives one row a F_k + b c = W of the energy balance (6). Rows of
+different frequencies are solved together, since neither F_k nor c depends on the frequency. They are weighted by the
+inverse variance of their misfit; Eq. (9) as published weights all rows alike.
 
-What a row needs of the onset of slip comes from the waveforms of one oscillator fitted to all records. Where the
-records are not those of such an oscillator, the onset is unknown and K_z is not identified: the balance, which is
-direct integration, then takes a = 4X − λ with the λ of the closest oscillator, a small part of 4X where the contact is
-stiff. A level
-that does not slip leaves the balance; where none slips, F_k is unknown, and W = b c gives c.
+The onset of slip comes from the waveforms of the fitted oscillator. Where no oscillator has the waveforms of the
+records, the onset and K_z are unknown: the balance, by direct integration, then takes a = 4X − λ with the stick travel
+λ of the closest oscillator, a small part of 4X if the contact is stiff. A level that does not slip has no row; where
+none slips, F_k is unknown, and W = b c gives c.
 
-Errors are those of the jackknife: the balance is solved without one group of cycles of one record after the other.
+Errors are those of the jackknife: the balance is solved again without each group of cycles of each record in turn.
 """
 
 from __future__ import annotations
@@ -65,8 +64,8 @@ if TYPE_CHECKING:
 class ForcedBasis:
     """What the answers to records of steady responses rest on.
 
-    law : whose coefficients are identified.
-    readings : what was read off each record.
+    law : the damping law whose coefficients are identified.
+    readings : harmonics and features of each record.
     common : the fit of one oscillator to all records.
     features : of the records, (n,), with the onset of slip of that oscillator.
     """
@@ -100,7 +99,7 @@ class ForcedBasis:
         }
 
     def levels(self, found: Result[Any]) -> list[Level]:
-        """Return a cycle of each record."""
+        """Return amplitude, input work and friction loss of a cycle of each record."""
         of, values = self.features, {**self.law.given, **found.values}
         levels = []
         for i, reading in enumerate(self.readings):
@@ -110,10 +109,10 @@ class ForcedBasis:
         return levels
 
     def with_fault(self, found: Result[Any], name: str, fault: Fault) -> dict[str, float]:
-        """Return the numbers of an answer from harmonics with a fault: fits follow to first order, that of the
-        waveforms where it holds; rows of the balance are read and solved again.
+        """Return the numbers of an answer from harmonics with a fault: the fit, where it holds, follows to first
+        order; the rows of the balance are read and solved again.
 
-        m, c, k, K_z and F_k times a number are an oscillator of the same motion; eta is a part of k.
+        m, c, k, K_z and F_k, all times the same number, are an oscillator of the same motion; eta is relative to k.
         """
         common, k = self.common, 1.0 + fault.stiffness
         means = [_with_fault(reading, fault) for reading in self.readings]
@@ -155,8 +154,8 @@ class ForcedBasis:
 
 
 def microstick_of(fit: WaveformFit | None) -> dict[str, Any]:
-    """Return the length of the microstick line X + X_s = 2F_k/K_z (10), m, whether its root lies above zero at 95 %,
-    and an upper bound at 97.5 %; NaN without a fit whose waveforms are those of the records."""
+    """Return the length of the microstick line X + X_s = 2F_k/K_z (10), m, whether its root exceeds zero at 95 %, and
+    an upper bound at 97.5 %; NaN unless a fit has the waveforms of the records."""
     length = error = low = high = math.nan
     if fit is not None:
         forces, (low, high) = fit.law.keys_of(FRICTION), fit.interval("rho")
@@ -180,13 +179,13 @@ def friction_loops(
 
         f = k(y − x) − mẍ − Σ p_j h_j(ẋ, ẏ)
 
-    Use it to plot loops, and to fit a law of friction of your own to them. The p_j are the coefficients beyond
-    friction, as identified or given. Columns: phase_rad (0 at the peak of the base), x_m, v_m_per_s and f_N.
-    Displacements are deviations from their mean over the cycle: f holds a constant that no record determines.
+    Use it to plot loops, and to fit a friction law of your own to them. The p_j are the other coefficients of the law,
+    as identified or given. Columns: phase_rad (0 at the peak of the base), x_m, v_m_per_s and f_N. Displacements are
+    deviations from their mean over the cycle, so that f lacks a constant, which no record determines.
 
-    found : of forced records.
-    mass : kg; default, that of the fit. Without a fit it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a contact that does
-    not yield: neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
+    found : the result of forced records.
+    mass : kg; default, that of the fit. Without a fit it is ∮ k(y − x)ẍ dt / ∮ ẍ² dt, exact for a rigid contact:
+    neither a force of constant size against ẋ nor one in proportion to ẋ correlates with ẍ over a cycle.
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, friction_loops, identify, measured_orbit, steady_orbit
@@ -243,20 +242,21 @@ def identify_forced(
     """Identify the coefficients of a damping law and K_z from forced records, one for each level of excitation.
 
     Each steady response gives a row a F_k + b c = W of the energy balance (Eq. 6 of the paper), weighted by inverse
-    variance. The answer is the maximum-likelihood fit of one oscillator to all records, with the balance as its check,
-    and the balance itself where the records are not those of such an oscillator.
+    variance. The answer is the maximum-likelihood fit of one oscillator to all records, checked by the balance; where
+    no oscillator has the waveforms of the records, the balance is the answer.
 
-    records : as `read_records` returns or takes them, as many as coefficients or more, at levels far apart.
-    stiffness : k of the spring, N/m, or a text with its unit, "5.2 N/mm"; it scales F_k and c. With its standard
-    uncertainty, (2310.0, 10.0) or "2310±10", which the intervals then hold, as they do those of gains and delays that a
-    mapping states. Without, they are conditional on k.
-    mapping : what the records do not say of their channels, where they are read here.
+    records : what `read_records` returns or takes; at least as many as coefficients, at levels far apart.
+    stiffness : k of the spring, N/m, or a text with its unit, "5.2 N/mm"; F_k and c are in proportion to it. State its
+    standard uncertainty, too, as (2310.0, 10.0) or "2310±10": the intervals then include it, as they include those of
+    gains and delays that a mapping states. Otherwise they are conditional on k.
+    mapping : names, units and corrections of channels that the files do not state.
     The options of the signature, which `help` describes.
 
-    Names and labels in order (terms, groups) may be a text with commas: terms="F_k,c".
+    Several names or labels (terms, groups) may be one text with commas: terms="F_k,c".
 
-    Raises ValueError (for a record, `RecordError`) naming argument or record, what is wrong and the remedy: an argument
-    that is outside its range or of another kind, a record that cannot be used, fewer of them than unknowns.
+    Raises ValueError (for a record, `RecordError`), which names the argument or the record, what is wrong and the
+    remedy: for an argument of another type or outside its range, a record that cannot be used, and fewer records than
+    unknowns.
 
     >>> import math
     >>> from dampbalance import BaseMotion, Oscillator, identify_forced, measured_orbit, steady_orbit
@@ -332,16 +332,17 @@ def identify_readings(
 ) -> Result[ForcedBasis]:
     """Return the coefficients of a damping law and K_z from the features of n measured responses, with intervals.
 
-    Use `identify_forced` for records; this function is for readings that are at hand, as in studies.
+    Use `identify_forced` for records, and this function where the readings are available, as in studies.
 
-    readings : of `read_features`, for levels that differ, as many as unknowns.   k : stiffness of the readings, N/m.
+    readings : from `read_features`, of different levels, at least as many as unknowns.
+    k : stiffness with which they were read, N/m.
     law : default, F_k and c.
+    mass : kg, as for `identify`.
     mass_error, stiffness_error : standard uncertainties of the mass, kg, and of k, N/m, for the test of the mass.
-    Others are as for `identify`.
 
-    Raises ValueError for fewer readings than unknowns where no fit distinguishes these, terms that act alike in all of
-    them, two of the same signals, a stiffness or a mass that is not positive, and a stiffness that is not that
-    of the readings. A balance whose rows cannot be solved stays in the result with NaN and the reason.
+    Raises ValueError for fewer readings than unknowns unless the fit distinguishes these, terms that act alike in all
+    readings, two readings of the same signals, a stiffness or a mass that is not positive, and another stiffness than
+    that of the readings. A balance whose rows cannot be solved stays in the result, with NaN and the reason.
     """
     law = law or Law()
     require_different_levels(readings, k, law)
@@ -398,7 +399,8 @@ def identify_readings(
 
 
 def _checked(found: Result[ForcedBasis]) -> tuple[Finding, list[Finding]]:
-    """Return what the balance says of the fit, as `compared`: with gain and delay of the fit taken off its records."""
+    """Return the comparison of balance and fit (`compared`), after the records of the balance have been corrected for
+    gain and delay of the fit."""
     direct, common, readings = found.estimates[DIRECT], found.basis.common, found.basis.readings
     lacks = not_in_rows(readings, common)
     if not lacks:
@@ -468,8 +470,8 @@ def _by_mass(fit: WaveformFit) -> Array:
 def _with_fault(reading: Reading, fault: Fault) -> Means:
     """Return the means of a record with a fault.
 
-    A force f moves the mass like the base motion f/k: an error of k is one of that motion; and so is one of the mass m
-    that stands on a base which moves, where f is −mÿ.
+    A force f moves the mass as the base motion f/k does, so that an error of k is one of that motion. An error of the
+    mass m on a moving base, where f is −mÿ, is likewise.
     """
     steady = reading.steady
     on_base = steady.base_mass is not None

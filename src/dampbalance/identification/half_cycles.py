@@ -1,26 +1,26 @@
-"""Rows of the energy balance from the half cycles of free decays, read from the samples without the motion of the fit.
+"""Rows of the energy balance from the half cycles of free decays, read from the samples without the fitted motion.
 
-Between two turns a and b of a free motion that slips the energy of the spring goes into friction and damper,
+Between two turns a and b of a free motion that slips, the energy of the spring goes into friction and damper,
 
     ½k (x_a² − x_b²) = F_k (D − 2Z_m) + c ∫ ẋ² dt,    D = |x_a − x_b|
 
-with x counted from the rest position of the spring, which no sample shows: the mass may stick anywhere within F_k/k of
-it. Since x_a² − x_b² = ±D (x_a + x_b), two neighbouring half cycles, each times the swing of the other, have a sum that
-is free of the rest position; over the sum of both swings it is a row of the balance:
+with x measured from the position at which the spring is slack, which no sample shows: the mass may stick anywhere
+within F_k/k of it. Since x_a² − x_b² = ±D (x_a + x_b), that position cancels in the sum of two neighbouring half cycles
+if each is multiplied by the swing of the other; divided by the sum of both swings, it is a row of the balance:
 
     ½k D₀D₁ (D₀ − D₁)/(D₀ + D₁) = F_k [D₁(D₀ − 2Z_m) + D₀(D₁ − 2Z_m)]/(D₀ + D₁) + c (D₁b₀ + D₀b₁)/(D₀ + D₁)
 
 D and b = ∫ ẋ² dt are integrals of the velocity between its zeros: of the smoothed derivative of a displacement, of the
-smoothed velocity, or of the integral of an acceleration. Where a turn is read a little early or late, they are wrong
-to the second order only. An offset or a drift of the velocity moves swings to one side and to the other in opposite
-directions: the one that makes D run smoothly is taken off, and the rows leave it free. All these are sums over samples,
-so that the covariance of the rows follows from the noise; rows that share a swing or a turn are correlated.
+smoothed velocity, or of the integral of an acceleration. An error in the time of a turn acts on them in second order
+only. An offset or a drift of the velocity lengthens swings to one side and shortens those to the other: the one that
+makes D run smoothly is subtracted, and the rows leave it free. All these are sums over samples, so that the covariance
+of the rows follows from the noise; rows that share a swing or a turn are correlated.
 
-Of a pendulum, (x_a² − x_b²)/2 is cos x_b − cos x_a = ±2 sin(D/2) sin((x_a + x_b)/2): S = 2 sin(D/2) takes the place of
-D as the weight of its neighbour; a decrement is small enough for its sine.
+For a pendulum, (x_a² − x_b²)/2 is replaced by cos x_b − cos x_a = ±2 sin(D/2) sin((x_a + x_b)/2): S = 2 sin(D/2) takes
+the place of D as a weight, and the sine of a decrement that of the decrement itself.
 
-The fit gives one number, the stick Z_m = F_k/K_z, which matters little if the contact is stiff, and the motion where
-samples are missing.
+From the fit come only the stick distance Z_m = F_k/K_z, which matters little if the contact is stiff, and the motion
+where samples are missing.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ from ..signals.bursts import Signal, least_noise
 from ..signals.simpson import integrals
 from ..signals.thresholds import SIGNIFICANT
 
-# of which more are averaged: a mean over dt takes (ωdt)²/24 off a swing, 2e-4
+# More samples are averaged to as many: a mean over dt makes a swing smaller by (ωdt)²/24, 2e-4.
 _SAMPLES_A_CYCLE = 100
 _WINDOW = 12  # samples are smoothed over a twelfth of a cycle on either side
-_DEGREE = 4  # of the smoothing polynomial: over that window it meets a harmonic velocity to 2e-4
+_DEGREE = 4  # of the smoothing polynomial, whose error in a sine over that window is 2e-4
 _MOST_HALVES = 200  # their covariance takes a tenth of a second, and few decays show more
 _SLIPS = 1.5  # sticks 2Z_m that a swing must have: the mass then slips in every half cycle
 _PASSES = 4  # corrections of the baseline: each leaves the square of the one before
-# half cycles for each parameter of the baseline: of fewer, it would follow the decay
+# half cycles for each parameter of the baseline: with fewer, it would follow the decay
 _HALVES_A_BEND = 6
 _AT_REST = 2.0  # times the noise: the scatter of the last cycle where the mass is at rest
-# standard errors of the baseline by which the rows leave it free: more change nothing
+# standard errors of the baseline by which the rows leave it free: more would change nothing
 _FREE = 10.0
-_APART = 0.4  # of half a cycle, by which turns may be early or late
+_APART = 0.4  # part of half a cycle by which turns may be early or late
 
 
 class Swings(NamedTuple):
@@ -97,8 +97,7 @@ class DecayRows:
 
 
 def rows_of(fit: DecayFit) -> DecayRows:
-    """Return the rows of all decays of a fit, which gives them k, Z_m, the period and samples that are missing, and
-    nothing else."""
+    """Return the rows of all decays of a fit, from which they take only k, Z_m, the period and the missing samples."""
     forces = [fit.value(one.key("F_k")) for one in fit.decays]
     numbers = {F_k: number for number, F_k in enumerate(dict.fromkeys(forces))}
     columns, decays, halves = [np.empty((0, 3))], [], []
@@ -137,7 +136,7 @@ def _weights(D: Array, fit: DecayFit) -> tuple[Array, Array]:
 
 
 def _without_gaps(fit: DecayFit) -> list[Decay]:
-    """Return the decays of a fit with its motion in place of the samples that are missing."""
+    """Return the decays of a fit with its motion in place of missing samples."""
     gaps = [signal.missing for one in fit.decays for signal in one.signals]
     if not any(gap is not None and gap.any() for gap in gaps):
         return [*fit.decays]
@@ -164,10 +163,10 @@ _NO_SWINGS = Swings(np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0), np.
 
 
 def swings_of(signal: Signal, period: float, least: float) -> Swings:
-    """Return the swings of a free decay in a channel, up to the first that is not larger than `least`, m.
+    """Return the swings of a free decay in a channel, up to the first that does not exceed `least`, m.
 
     The first half cycle, which begins before the first turn, and the last, which may end in sticking, are left out.
-    There are none where the samples show fewer than two clearly.
+    There are none where fewer than two stand out of the noise.
 
     period : of the motion, s.
     """
@@ -211,7 +210,7 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
         v = v - np.polyval(np.polyfit(t[cycle:-cycle], slow, 1), t)
     above_rest = v
     swing = np.pad(np.ones(cycle // 2), width)  # as a sum over the velocity
-    # where the turns of a swing are real
+    # the smallest swing whose turns are no noise
     least = max(least, SIGNIFICANT * sigma * dt * float(np.linalg.norm(velocity(swing))))
     fewest = _HALVES_A_BEND if signal.order == 2 or (signal.order and not rests) else 3
     for _ in range(_PASSES):
@@ -256,10 +255,10 @@ def swings_of(signal: Signal, period: float, least: float) -> Swings:
 
 
 def _turns(v: Array, half: float) -> Array:
-    """Return places where a velocity changes its sign, counted in samples, as long as they are half a cycle apart."""
+    """Return the zeros of a velocity, in samples, for as long as they are half a cycle apart.   half : samples."""
     i = np.flatnonzero(v[:-1] * v[1:] < 0.0)
     zeros = i + v[i] / (v[i] - v[i + 1])
-    # noise makes three of one
+    # noise turns one zero into three
     groups = np.split(zeros, np.flatnonzero(np.diff(zeros) > 0.5 * half) + 1)
     places = np.array([of.mean() for of in groups if of.size % 2])
     regular = np.abs(np.diff(places) / half - 1.0) < _APART

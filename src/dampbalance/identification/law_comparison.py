@@ -1,16 +1,17 @@
-"""Which damping law do records support? The laws of a few terms, each with its weight.
+"""Which damping law do the records support? All laws of a few terms, weighed by their evidence.
 
-A law has friction or not, and up to `MOST_TERMS` further terms. Its coefficients p have the prior sizes τ of
-`PRIORS["law"]`, in units of the coefficient that alone would take all of the work, and are not negative. With the fit
-p̂ of covariance C and its χ², both in the noise that the best law leaves, and T = diag τ²,
+A law has friction or not, and up to `MOST_TERMS` further terms. Its coefficients p are not negative, with prior sizes τ
+from `PRIORS["law"]` in units of the coefficient that would take all of the work by itself. With the fit p̂, its
+covariance C and χ², both scaled by the residual of the best law, and T = diag τ²,
 
     ln E = −½ χ² + ½ ln |C|/|C + T| − ½ p̂ᵀ (C + T)⁻¹ p̂ + Σ ln 2Φ(μ_j/σ_j)
 
-is the logarithm of its evidence (`fit.select.evidence_of`), and its weight is in proportion to E Π π/(1 − π), a factor
-for each term, π the share of the rigs that have it.
+is the logarithm of its evidence (`fit.select.evidence_of`), and its weight is in proportion to E Π π/(1 − π), with one
+factor for each term and π the share of rigs that have it.
 
-Few laws need a fit. To first order a fit shows those with one term more (score test), one fewer (Wald), and one in
-place of another: the heaviest law without a fit is fitted until none of these weighs more than `REFITTED`.
+Few laws need a fit. To first order, a fit also gives the evidence of the laws with one term more (score test), one
+fewer (Wald test), and one in place of another. The heaviest law without a fit is fitted until each of these weighs
+less than `REFITTED`.
 """
 
 from __future__ import annotations
@@ -27,7 +28,6 @@ from ..findings.finding import Finding
 from ..fit.decay import DecayFit
 from ..fit.decay_departures import departures_of
 from ..fit.multistart import Trail, multistart
-from ..fit.parameters import Parameters
 from ..fit.score import Departure, departures_from
 from ..fit.search import sound
 from ..fit.select import NOISE_ALONE, PRIORS, REFITTED, bayes_factor, evidence_of, noise_of
@@ -39,10 +39,10 @@ from ..signals.mean_harmonics import Reading
 from ..signals.one_thread import one_thread
 
 MOST_TERMS = 2
-"""Most terms of a law that is tried, in addition to friction."""
+"""Most terms of a law in addition to friction."""
 
 DECAY_TERMS = (FRICTION, "c", "c_2")
-"""Terms that free decays distinguish: base at rest and at one frequency, c_r and eta act as c does."""
+"""Terms that free decays distinguish: with the base at rest and one frequency, c_r and eta act as c does."""
 
 _PRIOR = PRIORS["law"]
 _ODDS = math.log(_PRIOR.share / (1.0 - _PRIOR.share))
@@ -55,7 +55,7 @@ Tests = Mapping[str, Sequence[Departure]]
 class LawWeight:
     """A law with its weight.
 
-    fit : None where it is known to first order.   noise : square of its scale.
+    fit : None where its evidence is known to first order only.   noise : square of the scale of the noise.
     """
 
     terms: Terms
@@ -75,8 +75,8 @@ class LawWeight:
 class LawComparison:
     """The weights of all laws.
 
-    laws : the heaviest first.   noise : square of the scale of the noise that the best of them leaves.   left_out :
-    findings on terms that these records cannot distinguish from others.   decays : whether the records are such.
+    laws : the heaviest first.   noise : square of the scale of the residual of the best law.   left_out : findings on
+    terms that these records cannot distinguish from others.   decays : whether the records are free decays.
     """
 
     laws: tuple[LawWeight, ...]
@@ -86,8 +86,8 @@ class LawComparison:
 
     @property
     def fits(self) -> bool:
-        """Whether the heaviest law leaves noise: less than twice that of the records, or of decays nothing that another
-        coefficient explains."""
+        """Whether the heaviest law fits: its residual is less than twice the noise of the records or, for decays, no
+        further coefficient explains any of it."""
         fit = self.laws[0].fit
         if not self.decays:
             return self.noise < 4.0
@@ -95,17 +95,17 @@ class LawComparison:
 
     @property
     def chosen(self) -> Terms | None:
-        """The heaviest law; None where even that does not fit."""
+        """The heaviest law; None where it does not fit."""
         return self.laws[0].terms if self.laws and self.fits else None
 
     @property
     def alike(self) -> tuple[Terms, ...]:
-        """The other laws of some weight."""
+        """The other laws that weigh more than `REFITTED`."""
         return tuple(one.terms for one in self.laws[1:] if one.weight > REFITTED)
 
     @property
     def findings(self) -> list[Finding]:
-        """What follows from the weights."""
+        """Which laws the records support, and which terms were left out."""
         if not self.laws:
             return [*self.left_out, Finding("no law tested")]
         of = {"law": self.laws[0].terms, "weight": self.laws[0].weight, "laws": self.alike}
@@ -123,16 +123,18 @@ def weighed(
 ) -> tuple[tuple[LawWeight, ...], float]:
     """Return laws with their weights, the heaviest first, and the square of the scale of the noise.
 
-    first : a law with its fit.   sizes : coefficient of each term that alone takes all of the work.
-    fitted : returns the fit of a law, from the nearest one so far; None where it has none.   scored : returns what the
-    coefficients of each term that a law lacks would explain of what its fit leaves.
+    first : a law with its fit.   sizes : for each term, the coefficient that alone takes all of the work.
+    fitted : returns the fit of a law, started at the closest so far; None without one.   scored : returns, for each
+    term that a law lacks, the score tests of its coefficients.
     """
     fits, tests, failed = dict([first]), dict[Terms, Tests](), set[Terms]()
 
     def weights_in(noise: float) -> dict[Terms, float]:
         own = {law: _evidence(law, fit, sizes, noise) for law, fit in fits.items()}
         logs = dict[Terms, float]()
-        for law in sorted(fits, key=own.__getitem__):  # the best last: nearest to what is true
+        for law in sorted(
+            fits, key=own.__getitem__
+        ):  # neighbours of the best overwrite those of others
             nearby = _neighbours(law, fits[law], tests[law], sizes, noise)
             logs |= {other: own[law] + by for other, by in nearby}
         logs = {law: value for law, value in (logs | own).items() if law in {*laws} - failed}
@@ -142,7 +144,7 @@ def weighed(
     while True:
         tests |= {law: scored(law, fit) for law, fit in fits.items() if law not in tests}
         noise = min(noise_of(fit.chi_square, fit.freedom) for fit in fits.values())
-        # what a law far from the records leaves is no noise: the best one is sought without
+        # the residual of a law far from the records is no noise: the best law is sought without scaling first
         for weights in map(weights_in, (1.0, noise)):
             asked = [law for law in weights if law not in fits and weights[law] > REFITTED]
             if asked:
@@ -158,12 +160,12 @@ def weighed(
 
 
 def _keys(law: Iterable[str], fit: Any) -> list[str]:
-    """Return the keys of the coefficients of terms that are free in a fit."""
+    """Return the keys of the free coefficients of some terms."""
     return [one.key for one in fit.parameters if one.free and one.name in {*map(str, law)}]
 
 
 def _evidence(law: Terms, fit: Any, sizes: Mapping[str, float], noise: float) -> float:
-    """Return ln of evidence and prior of a law that is fitted."""
+    """Return ln of evidence times prior of a fitted law."""
     keys = _keys(law, fit)
     values = np.array([fit.value(key) for key in keys])
     tau = [_PRIOR.size * sizes[term(key).symbol] for key in keys]
@@ -175,8 +177,8 @@ def _evidence(law: Terms, fit: Any, sizes: Mapping[str, float], noise: float) ->
 def _neighbours(
     law: Terms, fit: Any, tests: Tests, sizes: Mapping[str, float], noise: float
 ) -> Iterator[tuple[Terms, float]]:
-    """Yield laws with a term more, one fewer, or one in place of another, and by how much ln of evidence and prior is
-    larger, to first order."""
+    """Yield the laws with a term more, one fewer, or one in place of another, and to first order by how much their ln
+    of evidence times prior is larger."""
 
     def gained(symbol: str, value: float, square: float) -> float:
         prior = _PRIOR._replace(size=_PRIOR.size * sizes[symbol])
@@ -190,7 +192,7 @@ def _neighbours(
             total += gained(symbol, fit.value(key) + float(np.sum(by[:, 0])), square)
         return total
 
-    if FRICTION not in law:  # what it would explain has to be fitted
+    if FRICTION not in law:  # friction has no score test: it has to be fitted
         yield in_order((FRICTION, *law)), 0.0
     yield from ((in_order({*law} - {symbol}), -lost(symbol)) for symbol in law)
     for more, added in tests.items():
@@ -201,8 +203,8 @@ def _neighbours(
 
 
 def _laws(terms: Sequence[str], given: Iterable[str] = ()) -> list[Terms]:
-    """Return the laws of `MOST_TERMS` terms or fewer in addition to those that are given, with friction and without,
-    the smallest first."""
+    """Return the laws of up to `MOST_TERMS` terms in addition to given ones, with friction and without, the smallest
+    first."""
     sizes = range(MOST_TERMS + 1)
     some = [one for size in sizes for one in itertools.combinations(terms, size)]
     laws = {in_order((*of, *given, *one)) for of in ((FRICTION,), ()) for one in some}
@@ -210,7 +212,7 @@ def _laws(terms: Sequence[str], given: Iterable[str] = ()) -> list[Terms]:
 
 
 def _sizes(force: float, speed: float, k: float, omega: float) -> dict[str, float]:
-    """Return the coefficient of each term that has this force at a speed."""
+    """Return, for each term, the coefficient whose force at a speed is the given one."""
     others = {s: of.force for s, of in KNOWN_TERMS.items() if of.force is not None}
     return {FRICTION: force} | {s: force / of(speed, 0.0, k, omega) for s, of in others.items()}
 
@@ -221,11 +223,11 @@ def compare_laws(
 ) -> LawComparison:
     """Weigh the laws of up to two terms in addition to friction, or without it, on forced records.
 
-    Use it where the damping is not known to be viscous: on records of several amplitudes, and of two frequencies or
-    more to distinguish c from eta.
+    Use it where the damping may not be viscous: on records of several amplitudes, and at two frequencies or more to
+    distinguish c from eta.
 
-    readings, k, mass : as for `identify`.   law : its given coefficients are part of every law, and
-    its groups apply to the terms that have some.
+    readings, k, mass : as for `identify_readings`.   law : its given coefficients are part of every law, and its groups
+    apply to the terms that have groups.
     """
     asked, lines = law or Law(), tuple(reading.lines for reading in readings)
     frequencies = [reading.steady.frequency_hz for reading in readings]
@@ -236,7 +238,7 @@ def compare_laws(
     ]
 
     def problem_of(kept: Iterable[str]) -> HarmonicProblem:
-        # a friction force that stands for none: 1e-9 of k times the smallest base motion
+        # 1e-9 of k times the smallest base motion stands for no friction
         none = {} if FRICTION in kept else {FRICTION: 1e-9 * k * min(one.Y for one in lines)}
         groups = {s: of for s, of in asked.groups.items() if s in kept}
         own = Law(in_order((FRICTION, *kept)), {**asked.given, **none}, groups)
@@ -254,7 +256,7 @@ def compare_laws(
 
     laws = _laws(terms, asked.given)
     laws = [one for one in laws if 0 < len(problem_of(one).law.unknowns) <= len(readings)]
-    # friction and another term are nearer to most rigs than friction alone
+    # friction and one other term are closer to most rigs than friction alone
     begun = ((one, fitted(one, None)) for one in sorted(laws, key=lambda one: abs(len(one) - 2)))
     first = next((of for of in begun if of[1] is not None), None)
     left_out = (Finding("eta like c"),) if alone else ()
@@ -267,8 +269,8 @@ def compare_laws(
 
 
 def _of_term(symbol: str, problem: HarmonicProblem, fit: WaveformFit) -> list[Departure]:
-    """Return what the coefficients of one more term would explain of the residual of a fit, to first order; nothing
-    where the motion under it cannot be followed."""
+    """Return the score tests of the coefficients of one more term; none where the motion under it cannot be
+    followed."""
     start = problem.like(fit)
     start = start if fit.parameters["m"].free else start.held("m")
     whole = problem.evaluate(start.values, start.free, Trail())
@@ -285,7 +287,7 @@ def _of_term(symbol: str, problem: HarmonicProblem, fit: WaveformFit) -> list[De
 def compare_decay_laws(fit: DecayFit) -> LawComparison:
     """Weigh the laws of c and c_2 in addition to friction, or without it, on free decays.
 
-    Use it where the damping is not known to be viscous.
+    Use it where the damping may not be viscous.
 
     fit : of the oscillator with friction and viscous damping to all decays.
     """
@@ -295,7 +297,12 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
     sizes = {s: force * unit for s, unit in units.items()}
 
     def fitted(kept: Terms, near: DecayFit) -> DecayFit | None:
-        return fit_law(fit, kept, (near.parameters, fit.parameters))
+        others = {s for s in fit.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in kept)}
+        out = {one.key: 0.0 for one in fit.parameters if one.name in {*DECAY_TERMS} - {*kept}}
+        points = (start.by_key | out for start in (near.parameters, fit.parameters))
+        free = others | {*map(str, kept)}
+        ends = multistart(fit.problem, [fit.problem.parameters(one, free) for one in points])
+        return ends[0] if ends else None
 
     def scored(kept: Terms, of: DecayFit) -> Tests:
         return {one.symbol: [one] for one in departures_of(of) if one.symbol in DECAY_TERMS}
@@ -303,19 +310,3 @@ def compare_decay_laws(fit: DecayFit) -> LawComparison:
     first = in_order(s for s in DECAY_TERMS if s in fit.free), fit
     laws = weighed(_laws(DECAY_TERMS[1:]), first, sizes, fitted, scored)
     return LawComparison(*laws, (Finding("damping alike in decays"),), decays=True)
-
-
-def fit_law(
-    fit: DecayFit, terms: Sequence[str], starts: Sequence[Parameters] = ()
-) -> DecayFit | None:
-    """Return the oscillator with a law, no coefficient negative, to the decays of a fit; None where no climb leads to
-    one.
-
-    terms : of `DECAY_TERMS`.   starts : to climb from; default, that of the fit.
-    """
-    kept = {s for s in fit.free if s not in DECAY_TERMS and (s != "rho" or FRICTION in terms)}
-    out = {one.key: 0.0 for one in fit.parameters if one.name in {*DECAY_TERMS} - {*terms}}
-    points = (start.by_key | out for start in starts or (fit.parameters,))
-    free = kept | {*map(str, terms)}
-    ends = multistart(fit.problem, [fit.problem.parameters(one, free) for one in points])
-    return ends[0] if ends else None

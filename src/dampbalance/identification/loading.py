@@ -1,4 +1,4 @@
-"""Reads the features of a record, and gives its samples for pictures."""
+"""Features of forced records, what is required of them, and their samples for pictures."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from ..signals.drive import stands_still
 from ..signals.dwells import Dwell, Swept, dwells_of
 from ..signals.mean_harmonics import Reading
 
-# leading samples of each channel that are plotted, or three cycles of a slow drive
+# leading samples of each channel for a picture; of a slow drive, three cycles
 EXCERPT = 16_384
 
 
 def keeps_moving(record: Record) -> bool:
-    """Return whether the excitation channel of a record keeps moving; in a free decay it is missing, constant or
+    """Return whether the excitation channel of a record keeps moving; in a free decay it is missing or constant, or it
     strikes."""
     return record.driven and not stands_still(record.excitation.values)
 
 
 def levels_of(record: Record) -> tuple[Record, ...]:
-    """Return a record for each dwell of the drive of a forced record, as of a staircase of levels; the record itself
-    where its drive does not step.
+    """Return a record for each dwell of the drive of a forced record, as in a staircase of levels; the record itself
+    if its drive does not step.
 
     Raises ValueError naming the record for a drive that sweeps.
     """
@@ -79,8 +79,8 @@ def load(
     k : stiffness, N/m.   frequency_hz : the known drive frequency, compared with the one in the record; default, that
     of the mapping.   skip_cycles : left out at the start.   base_mass : as for `condition`.
 
-    A motion that settles within its record is read from there on. What the reader of the file found odd is among the
-    warnings of the reading.
+    A motion that settles within its record is read from there on. The warnings of the reading include those of the
+    reader of the file.
 
     Raises ValueError naming the record for a free decay, and for one that cannot be used.
     """
@@ -93,7 +93,7 @@ def load(
         return condition(record, k, frequency_hz=nominal, skip_cycles=skipped, base_mass=base_mass)
 
     skipped = skip_cycles
-    # a beginning is left out three times at most: a slow mode shows when a fast one has decayed
+    # a start is left out up to three times: a slow mode shows when a fast one has decayed
     for _ in range(3):
         settled, steady = _settled(read, skipped)
         if not settled:
@@ -108,8 +108,8 @@ def load(
 
 
 def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, SteadyRecord | None]:
-    """Return the cycles after which the motion has settled, 0 where it has from the first one read on; and the record,
-    None where it changes too much to be read."""
+    """Return the cycles after which the motion has settled, 0 if it has from the first one read on; and the record,
+    None if it changes too much to be read."""
     try:
         steady = read(skipped)
     except ValueError as error:
@@ -121,15 +121,15 @@ def _settled(read: Callable[[int], SteadyRecord], skipped: int) -> tuple[int, St
 
 
 def require_different_levels(readings: Sequence[Reading], k: float, law: Law) -> None:
-    """Raise ValueError where readings cannot distinguish the terms of a law, were read with another stiffness, or two
-    of them are of the same signals."""
+    """Raise ValueError if readings cannot distinguish the terms of a law, were read with another stiffness, or two of
+    them are of the same signals."""
     number("stiffness", k, NUMBERS["k"])
     law.require([r.steady.frequency_hz for r in readings], by_balance=False)
     for steady in (reading.steady for reading in readings):
         if steady.k != k:
             raise ValueError(f"{steady.source} was read with k = {steady.k:g}, not with {k:g}")
     for one, other in itertools.combinations((reading.steady for reading in readings), 2):
-        # copies have cycles with the same harmonics, to what another format may change
+        # copies have the same harmonics, apart from rounding by another format
         bound = 1e-9 * abs(one.X[0, 1])
         if one.X.shape == other.X.shape and np.abs(one.X - other.X).max() < bound:
             raise ValueError(
@@ -140,8 +140,8 @@ def require_different_levels(readings: Sequence[Reading], k: float, law: Law) ->
 def unclipped(
     records: tuple[Record, ...], readings: list[Reading], law: Law
 ) -> tuple[tuple[Record, ...], list[Reading], list[Finding]]:
-    """Return the records that are not clipped, with their readings, and a finding on each other one; all of them where
-    too few would be left to show how well they fit."""
+    """Return the records that are not clipped, with their readings, and a finding on each other one; all records if too
+    few would remain to show how well they fit."""
     clipped = [any(map(is_clipped, one.steady.channels.values())) for one in readings]
     if not any(clipped) or law.groups or clipped.count(False) <= max(2, len(law.unknowns)):
         return records, readings, []
@@ -166,6 +166,6 @@ def excerpt(record: Record, quantity: str, steady: SteadyRecord) -> tuple[Array,
 
 
 def correction_of(record: Record, quantity: str) -> Correction:
-    """Return gain, delay and filters of a channel as they are known: none are those of a table."""
+    """Return the known gain, delay and filters of a channel; those of a table are none."""
     channel = record.channels.get(quantity)
     return (channel and channel.correction) or Correction()

@@ -1,10 +1,10 @@
-"""Channels in a wrong unit or with a wrong sign: the factor with which records are those of an oscillator.
+"""Channels in a wrong unit or with a wrong sign, found by the factor with which an oscillator explains the records.
 
-The harmonics of a response and of its drive contradict each other where one of the two is in another unit, or its
-transducer points the other way: the loss of the fundamental asks for one ratio of them, the higher harmonics, which
-only the response has, for another. Where no oscillator responds like the records as they were read, and one does within
-their noise with exactly one of the factors between units, that is asked for. It is never applied: a response that is
-9.81 times too small and a drive that is 9.81 times too large are the same motion, with another F_k.
+If the unit of the response or of its drive is wrong, or one transducer points the other way, their harmonics contradict
+each other: the loss of the fundamental requires one ratio of the two, the higher harmonics, which only the response
+has, another. Where no oscillator explains the records as read, and exactly one of the factors between units makes one
+explain them within their noise, the user is asked about it. The factor is never applied: a response that is 9.81 times
+too small and a drive that is 9.81 times too large are the same motion, with another F_k.
 """
 
 from __future__ import annotations
@@ -29,19 +29,21 @@ from .oscillator import CommonFit
 
 _TURN = 2.0 * math.pi  # of a velocity from an amplitude times a frequency in Hz
 _SAME = 1e-3  # relative: one factor of two units
-_ALIKE = 0.05  # relative: factors that records do not tell apart, as of kgf and daN
-_MUCH = 100.0  # of χ²: a departure beside leaves less of it than a factor of two units
-_NEAR = 0.1  # relative, of a mass: a factor of two units is farther off
-_FAR = 30.0  # times the frequency of the drive, or a part of it: no rig is driven there on purpose
-# part of the amplitudes added to errors, and evaluations: no other starts are worth a fit
+_ALIKE = 0.05  # relative: factors that records do not distinguish, as of kgf and daN
+_MUCH = 100.0  # ratio of two χ²: a further departure leaves less than a factor of two units does
+_NEAR = 0.1  # relative deviation of a mass: a factor of two units is farther off
+_FAR = (
+    30.0  # ratio of natural and drive frequency, either way: no rig is driven so far off on purpose
+)
+# part of the amplitudes added to errors, and evaluations, of the climb that decides whether a full fit is worth it
 _SOFT, _TRIED = 0.01, 4
 
 
 def misread(
     common: CommonFit, records: Sequence[Record], readings: Sequence[Reading], law: Law, k: float
 ) -> Iterator[Finding]:
-    """Yield a finding where one channel in another unit, or with the other sign, makes the records those of an
-    oscillator, and as they were read they are not.
+    """Yield a finding where an oscillator explains the records with one channel in another unit, or with the other
+    sign, and none explains them as read.
 
     common : the fit to the readings as they are.   k : N/m.
     """
@@ -66,23 +68,25 @@ def misread(
     if best == 1.0 or any(_rivals(fits[ratio], fits[best]) for ratio in rivals):
         return
     fit = fits[best]
-    # channels that are exchanged are not turned: of them, too, an oscillator comes nearer with the other sign
+    # of exchanged channels, too, an oscillator is closer with the other sign, but does not explain them
     if fit is not None and _plausible(fit, common.mass) and (fit.adequate or not turned):
         of = {"what": tuple(what[best]), "holds": bool(fit.adequate)}
         yield Finding("misread", of, UNBOUNDED)
 
 
 def _rivals(fit: WaveformFit | None, best: WaveformFit | None) -> bool:
-    """Return whether a fit may be right as well as the best: where that holds, if it does, too; otherwise, as where the
-    records have a departure beside, unless it is much farther from them."""
+    """Return whether a fit may be right as well as the best. If the best holds, one that holds, too, may be; if not, as
+    where the records have another departure, one that is not much farther from them."""
     if fit is None or best is None:
         return False
     return fit.adequate if best.adequate else fit.chi_square < _MUCH * best.chi_square
 
 
 def _sound(common: CommonFit, turned: bool) -> bool:
-    """Return whether the records may be those of an oscillator that a laboratory would have, or hardly any friction
-    shows, so that nothing tells.   turned : whether the response leads its drive."""
+    """Return whether the records may be those of an oscillator of usual size, or show too little friction to decide.
+
+    turned : whether the response leads its drive.
+    """
     fit = common.fit
     if fit is None:
         return common.stuck is not None and not turned
@@ -90,14 +94,14 @@ def _sound(common: CommonFit, turned: bool) -> bool:
 
 
 def _plausible(fit: WaveformFit, mass: float | None) -> bool:
-    """Return whether a laboratory would have an oscillator.   mass : kg, as given."""
+    """Return whether an oscillator has a usual natural frequency and the given mass.   mass : kg, or None."""
     far = fit.natural_frequency_hz * 2.0 * math.pi / fit.lines[0].omega
     return (mass is None or abs(fit.m / mass - 1.0) < _NEAR) and 1.0 / _FAR < far < _FAR
 
 
 def _readings(channel: Channel) -> Iterator[Finding]:
-    """Yield what else a channel may hold: in another unit, or of another factor of a velocity, each by how many times
-    it is larger then."""
+    """Yield a finding for each other reading of a channel, in another unit or with another factor of a velocity, with
+    the factor by which it is then larger."""
     dimension = DIMENSIONS[channel.coordinate.key(channel.quantity)]
     units = [unit for unit in UNITS if unit.dimension == dimension]
     read = [unit for unit in units if math.isclose(unit.factor, abs(channel.factor))]
@@ -112,7 +116,7 @@ def _readings(channel: Channel) -> Iterator[Finding]:
 
 
 def _nearest(lines: Sequence[RecordHarmonics], k: float, law: Law) -> WaveformFit | None:
-    """Return the oscillator nearest to some records; None where none is near them."""
+    """Return the oscillator closest to some records; None where none is close."""
     problem = HarmonicProblem(law, tuple(lines), k)
     for start in starts(lines, k, problem.shares)[:1]:
         near = fit_from(problem.softened(_SOFT), problem.start(start), _TRIED)

@@ -1,4 +1,4 @@
-"""One oscillator fitted to all records by maximum likelihood, the answer where it holds, which the balance checks."""
+"""One oscillator fitted to all records by maximum likelihood: where it holds, the answer, which the balance checks."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ from .answer import Answer, answer_of_fit, averaged
 from .causes import FRAME, NOT_IN_ROWS, candidates
 from .weighing import said_of
 
-_DIFFER = 1.05  # ratio of two amplitudes, from which on friction and damping act differently
+_DIFFER = 1.05  # ratio of two amplitudes above which friction and damping can be distinguished
 
 
 @dataclass(frozen=True, eq=False)
 class CommonFit:
     """One oscillator fitted to all records.
 
-    selection : the oscillator that responds most like them, and those with a departure more, weighed; None where no
-    oscillator that slips does, or a linear one explains them.
+    selection : the closest oscillator and those with a further departure, weighed; None where no oscillator that slips
+    is close, or a linear one explains the records.
     mass : kg, as given, or None.   mass_fits : whether the records agree with it.
-    stuck : the linear oscillator, with the stiffness of a contact that only sticks, where one explains the records
+    stuck : the linear oscillator, with the stiffness of a contact that only sticks, where it explains the records
     within their noise: nothing slips, or slip does not show.
-    frictionless : whether a balance of these has no friction: the contact sticks, or no two levels differ.
+    frictionless : whether the balance has no friction column: the contact sticks, or no two levels differ.
     """
 
     selection: Selection | None
@@ -55,20 +55,20 @@ class CommonFit:
     def of(
         cls, fit: WaveformFit, mass: float | None = None, *, mass_fits: bool = True
     ) -> CommonFit:
-        """Return that of one fit, with which no other is compared."""
+        """Return that of a single fit, which is compared with no other."""
         keys = (*fit.law.unknowns, "rho", "m")
         return cls(select(fit, (), keys, noise=1.0), mass, mass_fits)
 
     @property
     def fit(self) -> WaveformFit | None:
-        """The heaviest fit to the records as they are: of responses in the other frame, that in their own."""
+        """The heaviest fit to the records as read: where the other frame is the heaviest model, the plain one."""
         of = self.selection
         fit: WaveformFit | None = None if of is None else of.plain if FRAME in of.names else of.fit
         return fit
 
     @property
     def closest(self) -> OscillatorFit:
-        """The fit whose numbers are nearest to the answer: of responses in the other frame, where they are in it."""
+        """The heaviest fit of all, also of the responses in the other frame."""
         assert self.selection is not None
         fit: OscillatorFit = self.selection.fit
         return fit
@@ -86,7 +86,7 @@ class CommonFit:
 
     @property
     def in_rows(self) -> list[str]:
-        """The departures that the records may have, which the answer is freed of, and rows of the balance are not."""
+        """The departures for which the answer is corrected and the rows of the balance are not."""
         of = self.selection
         if of is None:
             return []
@@ -100,7 +100,7 @@ class CommonFit:
 
     @property
     def notes(self) -> tuple[Finding, ...]:
-        """What one must know before using the numbers of the fit."""
+        """What limits the use of the numbers of the fit."""
         if self.selection is None:
             return ()
         fit: WaveformFit = self.selection.fit
@@ -148,16 +148,15 @@ def common_fit(
     departures: bool = True,
     frames: bool = False,
 ) -> CommonFit:
-    """Return the oscillator behind the records.
+    """Return the oscillator of the records.
 
-    The records determine the mass by themselves, often better than scales do: the fit takes a mass that is given only
-    where it is known better than that, and the records agree with it.
+    The records determine the mass, often better than scales do: the fit takes a given mass only where it is known
+    better than the records know it, and they agree with it.
 
-    k : N/m.   m : kg, if it is known.   law : of its damping; default, F_k and c.
-    mass_error, stiffness_error : standard uncertainties of m, kg, and of k, N/m: a mass that differs by no more
-    contradicts nothing.
-    departures : whether departures are looked for; a study that does not read them saves that time.
-    frames : whether the response may be in the other frame than it was taken for.
+    k : N/m.   m : kg, if it is known.   law : of the damping; default, F_k and c.
+    mass_error, stiffness_error : standard uncertainties of m, kg, and of k, N/m, for the test of the mass.
+    departures : whether to test departures, which takes time.
+    frames : whether the response may be in another frame than stated.
     """
     law = law or Law()
     without = linear_fit(lines, k, law.terms)
@@ -177,7 +176,7 @@ def common_fit(
         stuck = linear_fit(lines, k, law.terms, m, mass_error) if linear else None
         bare = False
         if stuck is not None:
-            # k counts once where a force drives, and like mω² where a base moves
+            # k itself acts where a force drives, and mω² where a base moves
             of_k = stiffness_error * max(1.0, stuck.by_mass * (m or 0.0) / k)
             stuck = stuck._replace(contact_error=math.hypot(stuck.contact_error, of_k))
             sizes = [float(abs(one.x[0])) for one in lines]
@@ -199,7 +198,7 @@ def common_fit(
     found = select(fit, of(fit, frames=unsure), keys, noise=1.0, further=of)
     if not found.fit.adequate and scaled is not None:
         other = select(scaled, of(scaled), keys, noise=1.0, further=of)
-        # a departure next to which the fundamentals are those of an oscillator may explain the waveforms, too
+        # a departure with which an oscillator explains the fundamentals may explain the waveforms, too
         by_weight = sorted(zip(other.weights, other.models, strict=True), key=lambda one: one[0])
         names = [((*other.departures, one.name)[0], one.fit) for _, one in by_weight]
         starts = {name: one for name, one in names if name and one is not None}
@@ -219,9 +218,9 @@ def common_fit(
 def _searched(
     lines: Sequence[RecordHarmonics], k: float, law: Law, slips: bool
 ) -> tuple[WaveformFit | None, WaveformFit | None]:
-    """Return the fit to the waveforms and, where that is not adequate, the one whose errors are scaled.
+    """Return the fit to the waveforms and, where that is not adequate, the one with scaled errors.
 
-    slips : whether the records are not those of a linear oscillator. A wide search is then worth its time where the
+    slips : whether no linear oscillator explains the records. A wide search is then worth its time where the
     fundamentals give no start, or where the mass rings while it sticks, so that χ² has many minima.
     """
     fit = fit_records(lines, k, law, thorough=False)
@@ -240,12 +239,10 @@ def _searched(
 def with_common_fit(
     readings: Sequence[Reading], common: CommonFit, law: Law | None = None
 ) -> list[Reading]:
-    """Return the readings with the waveforms of the fit.
+    """Return the readings with the waveforms of the fit; where these do not hold, with the stick travel of the closest
+    oscillator alone.
 
-    Where the waveforms do not hold, the readings have none; of the nearest oscillator they then have only the travel
-    that its sticking takes.
-
-    law : of the terms whose integrals are wanted.
+    law : whose terms are integrated.
     """
     wanted = () if law is None else tuple(s for s in law.terms if s not in (FRICTION, "c"))
     fit, fitted = common.fit, []

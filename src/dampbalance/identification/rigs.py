@@ -20,7 +20,7 @@ from .oscillator import CommonFit, common_fit
 class Masses(NamedTuple):
     """Masses of a rig, kg; None where they are not given.
 
-    moving : that the fit sees.   on_base : that stands on a base to which the contact goes.
+    moving : the mass that the fit determines.   on_base : a mass on a mount, whose contact acts against the base.
     """
 
     moving: float | None
@@ -28,15 +28,15 @@ class Masses(NamedTuple):
 
 
 def require_driven_by(base: bool, records: Sequence[Record], code: str) -> None:
-    """Raise ValueError for the first record that is not driven by a base that moves, or by a force.   code : why that
-    is needed."""
+    """Raise ValueError for the first record that is not driven by a moving base (`base`), or by a force.   code : of
+    the finding that says why that is needed."""
     for record in records:
         if base == ("force" in record.quantities):
             raise ValueError(f"{record.name}: {sentence(Finding(code), record.coordinate)}")
 
 
 def require_rotation(records: Sequence[Record]) -> None:
-    """Raise ValueError for the first record that does not rotate: no pendulum."""
+    """Raise ValueError for the first record that does not rotate, and so is none of a pendulum."""
     for record in records:
         if record.coordinate != ROTATION:
             why = sentence(Finding("no angle"), record.coordinate)
@@ -46,11 +46,11 @@ def require_rotation(records: Sequence[Record]) -> None:
 def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
     """Return the masses of a rig from options by the keys of a configuration.
 
-    Where contact and damper of a mount both go to the base, the motion against the base takes the place of x. A load
-    cell feels the inertia of what is between it and the mass: f = mẍ + … + m_f ẍ, so that m + m_f moves.
+    Contact and damper of a mount both act against the base, so that the motion relative to it takes the place of x. A
+    load cell also carries the inertia of a fixture between it and the mass: f = mẍ + … + m_f ẍ, so that m + m_f moves.
 
-    Raises ValueError for a mount whose mass or stiffness is missing or that a force drives, and for a fixture without a
-    load cell.
+    Raises ValueError for a mount whose mass or stiffness is missing or that is driven by a force, and for a fixture
+    without a load cell.
     """
     mass, fixture = options["mass_kg"], options["fixture_mass_kg"]
     if options["contact_to"] == "base":
@@ -69,7 +69,8 @@ def masses_of(records: Sequence[Record], options: Mapping[str, Any]) -> Masses:
 def require_possible(
     readings: Sequence[Reading], mass: float | None, k: float, coordinate: Coordinate
 ) -> None:
-    """Raise ValueError for a mass with which the oscillator is a thousand times faster or slower than the drive."""
+    """Raise ValueError for a mass with which the natural frequency is a thousand times that of the drive, or a
+    thousandth."""
     if mass is None:
         return
     for reading in readings:
@@ -87,7 +88,7 @@ def of_a_mount(
     law: Law,
     of_drive: Mapping[str, Any],
 ) -> Iterator[Finding]:
-    """Yield a finding where the records are those of a mount within their noise, and not of a contact to the ground.
+    """Yield a finding if a mount explains the records within their noise, and a contact to the ground does not.
 
     common : the fit with the contact to the ground.   k : N/m.   of_drive : options of `load`.
     """
@@ -97,7 +98,7 @@ def of_a_mount(
         return
     try:
         readings = [load(record, k, base_mass=masses.moving, **of_drive) for record in records]
-    except ValueError:  # a mass with which nothing moves like this
+    except ValueError:  # no motion with this mass
         return
     lines = [reading.lines for reading in readings]
     other = common_fit(lines, k, masses.moving, law, departures=False)

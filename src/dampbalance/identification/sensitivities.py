@@ -1,9 +1,9 @@
-"""Effect of faults of calibration and timing, which a record hardly shows, on an identification: the data with the
-fault and with its opposite, fitted again from the optimum, and half the difference of the two (GUM 5.1.3, note 2).
+"""Effect of faults of calibration and timing, which records hardly show, on an identification.
 
-A gain of the drive multiplies Y, one of the response all x_n; a response that is late by τ has x_n e^{−inωτ}; a phase
-error at the drive frequency is a delay of that part of a cycle. Each kind of records says how a fault changes its data
-and what it is fitted again to (`Basis.with_fault`).
+The data are changed by the fault and by its opposite and fitted again from the optimum; the effect is half the
+difference of the two (GUM 5.1.3, note 2). A gain of the drive multiplies Y, one of the response all x_n; a response
+that is late by τ has x_n e^{−inωτ}; a phase error at the drive frequency is a delay by that part of a cycle. Each kind
+of records implements the change and the fit (`Basis.with_fault`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """A fault, alike in all records.
+    """A fault that is the same in all records.
 
     words : what is wrong, and by how much.   drive, response : relative errors of gain.   late : delay of the response,
     s.   angle : lag of the response at the drive frequency, rad.   stiffness, mass : relative errors of k and of m, if
@@ -53,11 +53,11 @@ FAULTS: Mapping[str, Fault] = {
 
 
 _ALONE = "loops", "friction-speed"
-"""Kinds of records of a contact without an oscillator."""
+"""Kinds of records of a contact alone, without an oscillator."""
 
 
 def told(found: Result[Any], words: str) -> str:
-    """Return words on a fault in those of the records: of a contact alone, the drive is its force and the response its
+    """Return the words of a fault for these records: of a contact alone, the drive is its force and the response its
     motion."""
     if found.basis.kind in _ALONE:
         words = words.replace("drive", found.coordinate.noun("force")).replace("response", "motion")
@@ -68,8 +68,8 @@ def told(found: Result[Any], words: str) -> str:
 def effects_of(
     found: Result[Any], faults: Mapping[str, Fault], name: str
 ) -> dict[str, dict[str, float]]:
-    """Return by how much each fault changes the numbers of an answer, relative to them, to first order: fault → symbol
-    → number, "m" for the mass; empty where that is not known.   name : of the answer."""
+    """Return the relative changes of the numbers of an answer by each fault, to first order: fault → symbol → change,
+    "m" for the mass; empty where they are not known.   name : of the answer."""
     with_fault = partial(found.basis.with_fault, found, name)
     here, effects = with_fault(Fault("none")), dict[str, dict[str, float]]()
     for what, fault in faults.items() if here else ():

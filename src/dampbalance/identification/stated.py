@@ -1,14 +1,14 @@
-"""Stated uncertainties of the stiffness, the gains and the timing, carried into the intervals of an identification.
+"""Stated uncertainties of the stiffness, the gains and the timing, propagated into the intervals of an identification.
 
-No record tests the stiffness k or a gain that all channels share, and its harmonics hardly test that of one: the
-interval that its noise makes is conditional on them. Where their standard uncertainties are stated, each shifts an
-answer p by Δ_j, what an error of one standard uncertainty does to it; they are independent of the noise and of each
-other, so that the covariance C of the noise becomes
+No record tests the stiffness k or a gain that all channels share, and its harmonics hardly test the gain of one
+channel: intervals from noise alone are conditional on them. An error of one stated standard uncertainty shifts the
+answer p by Δ_j. These errors are independent of the noise and of each other, so that the covariance C of the noise
+becomes
 
     C + Σ_j Δ_j Δ_jᵀ
 
-(GUM, law of propagation of uncertainty). A stiffness or a transducer is common to all records: the shifts of the
-records do not average out.
+(GUM, law of propagation of uncertainty). All records share the stiffness and the transducers, so that the shifts do
+not average out.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ _UNTESTED = {
 
 
 def with_stated_uncertainties(found: Result[B]) -> Result[B]:
-    """Return an identification whose errors, intervals and covariances hold what its options and the mappings of its
-    records state, and which says on what it depends."""
+    """Return the identification with errors, intervals and covariances that include the uncertainties stated in its
+    options and in the mappings of its records, and with findings on what it depends on."""
     stiffness = found.options.get("stiffness_standard_error_N_per_m") or 0.0
     stiffness = stiffness and stiffness / found.k
     m, m_error = (found.options.get(name) for name in ("mass_kg", "mass_standard_error_kg"))
@@ -61,11 +61,10 @@ def with_stated_uncertainties(found: Result[B]) -> Result[B]:
 
 
 def _stated_of_channels(found: Result[Any]) -> dict[str, float]:
-    """Return standard uncertainties that mappings state: of the gains of base or force (drive) and of the mass's
-    channels (response), as parts of them, and of the delay between both (late), s.
+    """Return the standard uncertainties that mappings state: of the gains of base or force (drive) and of the channels
+    of the mass (response), relative, and of the delay between both (late), s.
 
-    The largest counts where records or channels differ: channels of the mass are averaged, and which of them an error
-    is of, is not known.
+    Where records or channels differ, the largest counts, since the channels of the mass are averaged.
     """
     sizes = {True: [(0.0, 0.0)], False: [(0.0, 0.0)]}
     for record in found.records:
@@ -90,7 +89,10 @@ def _shifts(
 
 
 def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer:
-    """Return the answer with its covariance widened by shifts, relative to its values, by fault and symbol."""
+    """Return the answer with its covariance widened by shifts.
+
+    shifts : relative changes of the numbers, by fault and symbol.
+    """
     symbols = list(answer.parameters)
     values = np.array([answer.parameters[s].value for s in symbols])
     off = np.array([[of.get(s, 0.0) for s in symbols] for of in shifts.values()])
@@ -121,8 +123,8 @@ def widened(answer: Answer, shifts: Mapping[str, Mapping[str, float]]) -> Answer
 def _conditional(
     found: Result[Any], stiffness: bool, mass: bool
 ) -> tuple[Finding | None, Finding | None]:
-    """Return a finding on what the numbers depend on and records hardly test, with what to state or give, and one on
-    how much they depend on it; None where it is stated and tested.
+    """Return a finding on what the numbers depend on and the records hardly test, with what to state or give, and one
+    on how strongly they depend on it; None where it is stated and tested.
 
     stiffness : whether its uncertainty is stated.   mass : whether it is given.
     """
@@ -138,7 +140,7 @@ def _conditional(
         parts = tuple(
             (symbol, p.value, share * p.value)
             for symbol, p in answer.parameters.items()
-            # what is less than 1e-3 of an effect of a part of the same size is nothing
+            # an effect of less than 1e-3 of the error itself counts as none
             if math.isfinite(share := changes.get(symbol, 0.0)) and abs(share) > 1e-5
         )
         effects += [(told(found, what), parts)] if parts else []

@@ -1,7 +1,7 @@
-"""What the weights of models say: a sentence for each departure that is there or may matter, and a row for each.
+"""Weighed models as findings, one for each departure that the records show or that may matter, and as rows.
 
-Only `DEPARTURES` are said here. Other candidates, such as another contact, are no imperfection of the records: their
-kind of records says what they are.
+Only `DEPARTURES` become findings here. Other candidates, such as another contact, are no imperfection of the records;
+the modules of their kind report them.
 """
 
 from __future__ import annotations
@@ -21,21 +21,20 @@ DEPARTURES = (
     *("delay", "gain", "corner", "frame", "friction_level", "friction_speed"),
     *("falling", "fading", "gradual", "k_3", "c_2"),
 )
-"""Departures that a sentence names: to add one is a name here, and its words in the table of findings."""
+"""Departures that are reported: a new one needs its name here and its words in the table of findings."""
 
 _EITHER_WAY = ("delay", "gain", "falling")
-"""Departures whose sign is in the words."""
-
+"""Departures whose words state the sign."""
 
 _ROUNDING = 1e-6
-"""Relative change of numbers that is none: the last digit of most files moves them by more."""
+"""Relative change of numbers that counts as none: the last digit of most files changes them by more."""
 
 
 class Weighed(NamedTuple):
-    """A departure that was weighed; "" is none.
+    """A departure that was weighed; the name "" stands for none.
 
-    weight : the probability that the records have it.   size, error : of it with its standard error, SI units; both
-    zero where it has none, or one that is zero to rounding.
+    weight : the probability that the records have it.   size, error : its size and standard error, SI units; zero where
+    it has no size, or one within rounding.
     """
 
     name: str
@@ -45,14 +44,14 @@ class Weighed(NamedTuple):
 
 
 def departure(name: str, size: float, error: float) -> Finding:
-    """Return a departure with its size and standard error: a noun phrase of a sentence."""
+    """Return the finding of a departure, whose words are a noun phrase."""
     shown = (abs(size) if name in _EITHER_WAY else size, error)
     return Finding(name, {"size": shown, "less": size < 0.0, "unsure": not error < abs(size)})
 
 
 def weighed_of(selection: Selection, plain: str = "") -> tuple[Weighed, ...]:
-    """Return what was weighed: departures that became clear one after the other, which all further models have, then
-    these models, the heaviest first.   plain : name of the plain one."""
+    """Return all models: first the departures that became clear in turn, which all further models have, then these
+    models, the heaviest first.   plain : name of the plain one."""
     rows = [Weighed(name, 1.0, *_size(selection, name)) for name in selection.departures]
     pairs = zip(selection.models, selection.weights, strict=True)
     models = [Weighed(one.name or plain, w, *_sized(selection, one)) for one, w in pairs]
@@ -60,10 +59,10 @@ def weighed_of(selection: Selection, plain: str = "") -> tuple[Weighed, ...]:
 
 
 def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) -> list[Finding]:
-    """Return a finding for each departure that is clearly there, or whose share moves a number by more than `USELESS`.
+    """Return a finding for each departure that is clear, or that changes a number by more than `USELESS` by its weight.
 
-    Numbers and intervals include it by its weight: a finding has no effect on them.   words : departures that say more
-    than their size, or leave a doubt that no fit shows, by name.
+    Numbers and intervals include it already, so that the finding has no effect on verdicts.   words : by name, findings
+    that state more than a size, or a doubt that no fit shows.
     """
     words, found = words or {}, []
     for one in weighed_of(selection):
@@ -77,8 +76,8 @@ def said_of(selection: Selection, words: Mapping[str, Finding] | None = None) ->
 
 
 def _sized(selection: Selection, model: Model) -> tuple[float, float]:
-    """Return the size of the departure of a model; zeros for one that changes no number beyond rounding, or one that
-    may be zero beyond its standard error."""
+    """Return size and standard error of the departure of a model; zeros if it changes each number by no more than
+    rounding or, where the number may be zero, its standard error."""
     plain = selection.models[0]
     sizes, errors = np.abs(plain.values), np.sqrt(np.diag(plain.covariance))
     least = np.where(sizes > NORMAL_95 * errors, _ROUNDING * sizes, errors)
@@ -86,13 +85,13 @@ def _sized(selection: Selection, model: Model) -> tuple[float, float]:
 
 
 def _most_moved(selection: Selection, name: str) -> float:
-    """Return the largest relative change of a number with the share of a model; that of ρ as K_z = ρ^{−2}."""
+    """Return the largest relative change of a number by a model with its weight; of ρ, that of K_z = ρ^{−2}."""
     moved = selection.moved_by(name).items()
     return max((abs(by) * (2.0 if key == "rho" else 1.0) for key, by in moved), default=0.0)
 
 
 def _size(selection: Selection, name: str) -> tuple[float, float]:
-    """Return the size of a departure that all models have, with its standard error."""
+    """Return size and standard error of a departure that all models have."""
     with suppress(KeyError):  # another frame has none
         return selection.fit.value(name), selection.fit.error(name) * selection.noise**0.5
     return 0.0, 0.0

@@ -7,7 +7,7 @@ size. A difference counts if it is significant against the scatter between cycle
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..findings.words import sentence
 from ..project.spelling import spelled
 from ..project.wording import signed
 from ..records.coordinate import TRANSLATION, Coordinate
+from .bursts import Burst, Signal
 from .cycles import FEWEST_CYCLES, CycleHarmonics
 from .thresholds import NEVER, P_DRIFT, SIGNIFICANT
 
@@ -35,6 +36,8 @@ _UNITS = {
     9.80665: "g taken for m/s², or the other way round",
 }
 _NEAR = 0.03  # relative deviation from the factor between two units
+# cycles of a decay in which channels are compared, and the ratio of their motions from which on units differ
+_COMPARED, _OTHER_UNIT = 3.0, 3.0
 
 _FINE = 1 << 12  # steps of a converter of 12 bits, and number of samples that show them
 ROUNDING = 1e-9  # relative to a signal; rounding differs by less between two copies of it
@@ -162,13 +165,8 @@ def consistency(
         names = {"quantity": coordinate.noun(name), "other": coordinate.noun(first)}
         # 0.5 rad is no delay of a channel, but a sign or another quantity
         if abs(gain - 1.0) > _AMPLITUDE_WRONG or abs(phase) > 0.5:
-            size = max(gain, 1.0 / gain)
-            confused = (f" ({of}?)" for by, of in _UNITS.items() if abs(size / by - 1.0) < _NEAR)
-            raise ValueError(
-                f"{names['quantity']} contradicts {names['other']}: at the drive frequency it shows {gain:.4g} times "
-                f"the motion{next(confused, '')}, {signed(math.degrees(phase), 1)}° apart; "
-                f"{_TURNED if abs(phase) > 0.75 * math.pi else _UNCALIBRATED}"
-            )
+            of = names["quantity"], names["other"]
+            raise ValueError(_contradiction(*of, "the drive frequency", gain, phase))
         late = abs(phase) > max(SIGNIFICANT * error, _SMALLEST_CHANGE)
         # F_k and c have the same relative error as the gain
         scaled = abs(gain - 1.0) > max(SIGNIFICANT * error, 1e-4)
@@ -179,6 +177,44 @@ def consistency(
             yield Finding("scaled", {**names, "gain": gain}, {"": abs(gain - 1.0)})
         n = np.arange(moved[name].shape[1])
         moved[name] = moved[name] * np.exp(-1j * n * phase * late) / (gain if scaled else 1.0)
+
+
+def contradiction_in(signals: Sequence[Signal], burst: Burst, coordinate: Coordinate) -> str:
+    """Return how the channels of a free decay contradict each other by a sign or by a factor of two units, which no fit
+    of all of them explains; empty if they do not.
+
+    Their lines at the frequency of the decay are compared over its first cycles. Friction and damping change these by
+    less.
+    """
+    omega, end = 2.0 * math.pi / burst.period, burst.turn + _COMPARED * burst.period
+
+    def line(signal: Signal) -> complex:
+        """Return the line of the displacement that the channel shows, m s."""
+        part = signal.between(burst.turn, end)
+        turns = np.exp(-1j * omega * (part.t - burst.turn)) * np.hanning(part.t.size)
+        return complex(turns @ part.values) * signal.dt / (1j * omega) ** signal.order
+
+    first, *others = signals
+    for other in others:
+        ratio = line(other) / (line(first) or 1.0)
+        gain, phase = abs(ratio), math.atan2(ratio.imag, ratio.real)
+        if not 1.0 / _OTHER_UNIT < gain < _OTHER_UNIT or abs(phase) > 0.75 * math.pi:
+            names = coordinate.noun(other.quantity), coordinate.noun(first.quantity)
+            return _contradiction(*names, f"{1.0 / burst.period:.3g} Hz", gain, phase)
+    return ""
+
+
+def _contradiction(quantity: str, other: str, where: str, gain: float, phase: float) -> str:
+    """Return how two channels of one motion are reported that contradict each other.
+
+    where : the frequency at which they are compared.   gain, phase : of the quantity relative to the other one.
+    """
+    size = max(gain, 1.0 / gain) if gain else math.inf
+    confused = (f" ({of}?)" for by, of in _UNITS.items() if abs(size / by - 1.0) < _NEAR)
+    return (
+        f"{quantity} contradicts {other}: at {where} it shows {gain:.4g} times the motion{next(confused, '')}, "
+        f"{signed(math.degrees(phase), 1)}° apart; {_TURNED if abs(phase) > 0.75 * math.pi else _UNCALIBRATED}"
+    )
 
 
 class _Change(NamedTuple):
