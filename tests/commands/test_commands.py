@@ -309,12 +309,13 @@ def test_what_is_misspelt_is_recognised(arguments, meant, answer):
 
 
 def test_a_quiet_command_says_nothing_but_errors_and_the_document_asked_for(tmp_path, capsys):
-    record, found = tmp_path / "a.csv", tmp_path / "found"
-    # --damping is abbreviated; the record is short
-    how = ["--displacement", "0.02", "--damp", "3", "--rate", "500", "--duration", "1.5"]
-    release = ("release", record, *how, "--quiet")
+    record, found, speeds = tmp_path / "a.csv", tmp_path / "found", tmp_path / "speeds.csv"
+    release = ("release", record, "--displacement", "0.02", "--damp", "3", "--quiet")  # abbreviated
     assert code_of(*release) == 0
-    identified = ["identify", record, "--stiffness", "2310", "--quiet"]
+    v = [*np.linspace(-2.0, -0.2, 10), *np.linspace(0.2, 2.0, 10)]
+    rows = (f"{at:.3f},{1.5 * np.sign(at) + 0.5 * at + 0.01 * at**2:.6f}" for at in v)
+    speeds.write_text("\n".join(["velocity (m/s),force (N)", *rows]), encoding="utf-8")
+    identified = ["identify", speeds, "--quiet"]
     assert code_of(*identified, "--output", found, "--no-figures") == 0
     assert capsys.readouterr() == ("", "")
     assert code_of(*identified, "--json", "-") == 0
