@@ -37,7 +37,7 @@ _IN_TABLE = ("residual", "misfit")  # of the merit of an answer
 
 def document(found: Result[Any]) -> dict[str, Any]:
     """Return the document: see `Result.document`."""
-    coordinate, kind = found.coordinate, found.basis.kind
+    coordinate = found.coordinate
     answers = {name: _entries(answer, coordinate) for name, answer in found.approaches.items()}
     of_kind = found.basis.document(found)
     for entry, record in zip(of_kind["records"], found.records, strict=bool(found.records)):
@@ -45,7 +45,7 @@ def document(found: Result[Any]) -> dict[str, Any]:
     of, effects = found.sensitivities()
     everything = {
         "dampbalance": __version__,
-        **({} if kind == "forced" else {"kind": kind}),
+        "kind": found.basis.kind,
         **({} if coordinate == TRANSLATION else {"coordinate": coordinate.name}),
         "options": dict(found.options),
         "k_N_per_m": found.k,
