@@ -21,7 +21,7 @@ from ..balance import TERMS, Rows
 from ..findings.finding import UNBOUNDED, Finding
 from ..findings.words import sentence
 from ..fit.decay import DecayFit, offset_of, with_noise_of
-from ..fit.decay_departures import as_pendulum, weighed
+from ..fit.decay_departures import SPEED, as_pendulum, weighed
 from ..fit.scattering_mean import ScatteringMean
 from ..fit.search import fit_all, in_the_band, profiled, separate_fits, sound, to_the_end
 from ..fit.select import REFITTED, Selection
@@ -451,8 +451,9 @@ def _solved(
         notes=tuple(notes),
         merit={"misfit": misfit, "degrees_of_freedom": freedom},
     )
-    # the balance attributes all of the motion to friction and viscous damping
-    lacks = ["clipped"] if clipped_signals else [*["other motion"] * (not fit.white), *fit.further]
+    # the balance attributes all of the motion to friction and viscous damping; a speed names no departure
+    departures = [name for name in fit.further if name != SPEED]
+    lacks = ["clipped"] if clipped_signals else [*["other motion"] * (not fit.white), *departures]
     widest = _among_models(answer, selection)
     judged = None if clipped_signals else reference  # clipped swings are no check
     check, doubts = compared(answer if lacks else widest, judged, lacks, _ACCURACY)
