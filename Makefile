@@ -215,7 +215,9 @@ $(TOOLS): requirements-dev.lock $(LOCKED)
 
 # uv takes a third of pip's time; where it cannot install, pip does.
 INSTALL = { $(2) $(RUN) uv pip install --quiet --no-deps --no-build-isolation $(1) \
-	|| { echo "uv cannot install $(lastword $(1)) here: pip does."; $(PIP_INSTALL) --no-deps --no-build-isolation $(1); }; }
+	|| { echo "uv cannot install $(lastword $(1)) here: pip does."; $(PIP_INSTALL) --no-deps --no-build-isolation $(1); } \
+	|| { echo "error: $(lastword $(1)): not installed; pip says above why. If it lacks a compiler or Python.h, install both (on Debian or"; \
+	    echo "       Ubuntu gcc and python3-dev), or name a Python for which all packages are compiled: make PYTHON=python3.13"; exit 1; } >&2; }
 # It does not read pip's settings: where those name another index they are handed on.
 FROM_INDEX = UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$${PIP_INDEX_URL:-$$($(RUN) pip config get global.index-url 2>/dev/null)}}" \
 	UV_NO_INDEX="$${UV_NO_INDEX:-$${PIP_NO_INDEX:-0}}" UV_FIND_LINKS="$${UV_FIND_LINKS:-$$PIP_FIND_LINKS}"
