@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ from scipy import stats
 from blind.gradual import CONTACTS, steady_on
 from dampbalance.fit.errors import jackknifed
 from dampbalance.fit.steady_search import fit_records
-from dampbalance.identification.answer import REFERENCE
+from dampbalance.identification.answer import REFERENCE, USELESS
 from dampbalance.identification.balance_rows import estimate_of, features_left_out, rows_of
+from dampbalance.identification.diagnosis import on_the_oscillator
 from dampbalance.identification.document import table as rows_of_table
 from dampbalance.identification.forced import identify_readings
 from dampbalance.law.law import Law
@@ -226,6 +228,26 @@ def test_a_contact_that_no_departure_explains_keeps_F_k_and_c_and_its_K_z_is_dou
     assert [found.verdicts[s].verdict for s in SYMBOLS] == ["usable", "usable", "doubtful"]
     off = abs(found.values["K_z"] / osc.K_z - 1.0)
     assert found.verdicts["K_z"].within is None or found.verdicts["K_z"].within > off
+
+
+def test_an_error_from_a_residual_far_above_the_noise_is_a_bound_only_where_it_is_small():
+    """As of records with a strong quadratic damper whose best fit has none: c = 21.3 [9.7, 25.1], and is 7.5."""
+    of = readings(3.5, 0.01)
+    fit = identified(of).basis.common.fit
+    assert 2.0 * fit.error("c") < USELESS * fit.value("c")
+    for times, scale, unbounded in (
+        (1.0, 20.0, {"K_z"}),
+        (1e3, 2.0, {"K_z"}),
+        (1e3, 20.0, {*SYMBOLS}),
+    ):
+        problem = replace(fit.problem, scales=(scale, scale))
+        far = replace(fit, problem=problem, covariance=times**2 * fit.covariance)
+        common = SimpleNamespace(
+            **{"stuck": None, "fit": far, "selection": None, "mass": None, "clear": ()},
+            waveforms_hold=False,
+        )
+        (one,) = (x for x in on_the_oscillator(of, common) if x.code == "far from all")
+        assert {s for s, size in one.effect.items() if math.isinf(size)} == unbounded
 
 
 def test_an_echo_in_the_response_doubts_the_damping_that_it_looks_like():

@@ -15,7 +15,7 @@ from ..fit.goodness import LinearFit
 from ..fit.waveforms import WaveformFit
 from ..signals.mean_harmonics import Reading
 from ..signals.thresholds import CERTAIN
-from .answer import Answer
+from .answer import USELESS, Answer
 from .balance_check import alike
 from .causes import FRAME, as_damper, doubts_of, unseen_turns
 from .oscillator import CommonFit
@@ -23,6 +23,7 @@ from .weighing import said_of
 
 _WORSE_IN_ROWS = {"clipped", "unsettled"}
 _RESONANCE = 0.3  # part of a harmonic: where more of it is not fitted, a mode is near it, and not near the fundamental
+_SYSTEMATIC = 10.0  # residual/noise of the fundamentals that is no scatter, whatever the noise was taken to be
 _SAME_LEVEL = 0.05  # of ln X: levels that do not show how anything depends on X
 _STUCK = {True: "stuck", False: "loose", None: "linear"}
 
@@ -42,7 +43,7 @@ def on_records(readings: Sequence[Reading], common: CommonFit) -> list[Finding]:
 def agreement(readings: Sequence[Reading], common: CommonFit, direct: Answer) -> Iterator[Finding]:
     """Yield the findings on all records together: those of the common fit, levels that only stick, and coefficients
     that the balance by direct integration hardly distinguishes."""
-    yield from _on_the_oscillator(readings, common)
+    yield from on_the_oscillator(readings, common)
     if still := [str(i) for i, of in enumerate(readings, 1) if of.slips is False]:
         yield Finding("only sticks", {"records": ", ".join(still)})
     fit = common.fit if common.waveforms_hold else None
@@ -61,7 +62,7 @@ def not_in_rows(readings: Sequence[Reading], common: CommonFit) -> list[str]:
     return [*filter(_WORSE_IN_ROWS.__contains__, codes), *common.in_rows]
 
 
-def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
+def on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterator[Finding]:
     """Yield findings from the common fit."""
     if common.stuck is not None:
         yield Finding(_STUCK[common.stuck.sticks])
@@ -84,7 +85,13 @@ def _on_the_oscillator(readings: Sequence[Reading], common: CommonFit) -> Iterat
         main, others = fit.problem.scales
         numbers = {"fundamentals": main, "harmonics": others, "worst": worst}
         # fundamentals alone do not tell a contact that yields gradually from one of another stiffness
-        yield Finding("far from all", numbers, {**_by_distortion(fit), "K_z": math.inf})
+        effect = {**_by_distortion(fit), "K_z": math.inf}
+        if (
+            main > _SYSTEMATIC
+        ):  # an error that follows from such a residual is a bound only where it is small
+            wide = [s for s in fit.law.unknowns if 2.0 * fit.error(s) > USELESS * abs(fit.value(s))]
+            effect |= dict.fromkeys(wide, math.inf)
+        yield Finding("far from all", numbers, effect)
 
 
 def _by_distortion(fit: WaveformFit) -> dict[str, float]:
@@ -106,7 +113,7 @@ def _by_distortion(fit: WaveformFit) -> dict[str, float]:
         if one.n.size > 1:
             left = others * complex(*fit.residual[place][[3, 3 + one.n.size]])
             model = abs(one.x[1] / one.x_error[1] + left)
-            if abs(left) > CERTAIN:
+            if abs(left) > CERTAIN and model > 0.0:
                 rows.append((math.log(abs(one.x[0])), math.log(abs(left) / model), abs(left)))
     if len(rows) < 2:
         return {}
