@@ -212,7 +212,7 @@ def _grown(
     if not ends:
         return None
     # a fit led astray may rest while the mass still swings
-    swinging = float(swings.zeros[-1]) + first.period
+    swinging = float(swings.zeros[-1])
     problem = _until_rest(problem, problem.thinned().fit(ends[0]), swinging)
     fit = _best(problem, points, "rho")
     if fit is None or len(parts) > 1:
