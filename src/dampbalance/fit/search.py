@@ -211,9 +211,7 @@ def _grown(
         length *= _GROWTH
     if not ends:
         return None
-    # a fit led astray may rest while the mass still swings
-    swinging = float(swings.zeros[-1])
-    problem = _until_rest(problem, problem.thinned().fit(ends[0]), swinging)
+    problem = _until_rest(problem, problem.thinned().fit(ends[0]))
     fit = _best(problem, points, "rho")
     if fit is None or len(parts) > 1:
         return fit
@@ -225,11 +223,11 @@ def _grown(
     return best if best is not None and best.chi_square < fit.chi_square else fit
 
 
-def _until_rest(problem: DecayProblem, fit: DecayFit, earliest: float = -math.inf) -> DecayProblem:
-    """Return the problem without the samples long after the mass came to rest.   earliest : end of a decay, s."""
+def _until_rest(problem: DecayProblem, fit: DecayFit) -> DecayProblem:
+    """Return the problem without the samples long after the mass came to rest."""
     decays = []
     for i, one in enumerate(problem.decays):
-        end = max(fit.at_rest(i, one.end), earliest)
+        end = fit.at_rest(i, one.end)
         decays.append(one.cut(one.start, end) if end < one.end else one)
     return replace(problem, decays=tuple(decays))
 
